@@ -77,7 +77,7 @@ constexpr double ever = std::numeric_limits<double>::infinity();
 /// A parachute that comes out, in the clock of its record [s].
 struct Opening {
     std::string parachute;
-    double begins, snatch, full;  // its first event; infinite where it is never full
+    double begins, snatch, full;  // begins: its first event; full: infinite where it never is
 };
 
 double time_of(const Event* event, double otherwise) {
@@ -91,11 +91,7 @@ std::vector<Opening> openings_of(const RunRecord& record) {
         const auto dot = event.name.rfind('.');
         if (dot == std::string::npos) continue;
         const std::string parachute = event.name.substr(0, dot);
-        const auto known = std::ranges::find(openings, parachute, &Opening::parachute);
-        if (known != openings.end()) {
-            known->begins = std::min(known->begins, event.time);
-            continue;
-        }
+        if (std::ranges::find(openings, parachute, &Opening::parachute) != openings.end()) continue;
         const auto at = [&](const char* name) { return record.find_event(parachute + "." + name); };
         const double taut = time_of(at("line-stretch"), ever), snatch = time_of(at("snatch"), taut);
         if (snatch < ever)

@@ -206,6 +206,12 @@ TEST(CompareHistories, WithoutTheSameParachutesThereIsOneClock) {
     EXPECT_DOUBLE_EQ(phases.back().to, 9.0);  // to the end, the main's pull included
     // Of 10 over 2 s, 1 over 1 s and 2 over 5 s, in squares, the last are missing.
     EXPECT_NEAR(*judged_score(phases), std::sqrt(20.0 / 221.0), round_off);
+    // Nor where a third one comes out in one record alone.
+    RunRecord more = reference;
+    more.events.push_back({"reserve.snatch", 8, 0, 0});
+    for (const auto& scores :
+         {score_history(more, reference, force_row()), score_history(reference, more, force_row())})
+        EXPECT_EQ(scores.front().parachute, "");
 }
 
 TEST(CompareHistories, WithoutTwoUsableCurvesThereIsNoScore) {
