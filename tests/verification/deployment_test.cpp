@@ -309,6 +309,31 @@ TEST(Deployment, UnphysicalScenesAreWarnedOf) {
     EXPECT_TRUE(warned(test::run_rom(slow), "the canopy fills over 171 m"));
 }
 
+// A mouth that is not as wide as full.switch_area_ratio asks when the drag area is full waits no longer:
+// springs are handed over then, and the record says so. One canopy, and two of which either does.
+TEST(Deployment, AMouthThatIsNotWideEnoughHandsOverAtFullOpen) {
+    const auto flown = [](int count, double ratio) {
+        Scene scene = packed_c9(DeployBy::static_line);
+        scene.parachutes.front().count = count;
+        scene.payload.mass *= count;
+        scene.full.switch_area_ratio = ratio;
+        scene.stop = {Trigger::Kind::full_open, 0.0, 0.2};
+        return run_full(scene);
+    };
+    for (const int count : {1, 2})
+        for (const double ratio : {0.12, 0.99}) {
+            const RunRecord record = flown(count, ratio);
+            ASSERT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
+            ASSERT_TRUE(record.find_event("switch") && record.find_event("full-open"));
+            const double before = record.find_event("full-open")->time - record.find_event("switch")->time;
+            const bool warned = std::ranges::any_of(record.warnings, [](const Warning& w) {
+                return w.what == "finite elements took over at full open only";
+            });
+            EXPECT_EQ(warned, ratio > 0.5) << count;
+            EXPECT_EQ(before > 0.0, ratio < 0.5) << count << " " << before;
+        }
+}
+
 TEST(Deployment, FiniteElementsThroughoutNeedNoRamp) {
     Scene scene = packed_c9(DeployBy::static_line);
     scene.full.structure = Structure::fe;
