@@ -19,13 +19,13 @@ namespace {
 using self_contact::thickness_now, self_contact::touching;
 
 /// Choices of this toolkit (docs/theory/full-model.md).
-constexpr double stiffness_share = 0.5;   // of the fabric's E t
-constexpr double thickness_share = 0.03;  // of a triangle's edge
-constexpr double damping_share = 0.5;     // of sqrt(k m): viscosity of friction where slip is slow
-constexpr double skin_share = 0.15;       // of the mean longest edge, from one search to the next
-constexpr double reach_share = 0.15;      // of that, from one look to the next
-constexpr double sliver = 0.3;            // area over longest edge squared, over the same without strain
-constexpr double entering = 0.02;         // window below which a node has just come over the triangle
+constexpr double stiffness_share = 0.125;  // of the fabric's E t: stiffer costs steps and changes no answer
+constexpr double thickness_share = 0.03;   // of a triangle's edge
+constexpr double damping_share = 0.5;      // of sqrt(k m): viscosity of friction where slip is slow
+constexpr double skin_share = 0.15;        // of the mean longest edge, from one search to the next
+constexpr double reach_share = 0.15;       // of that, from one look to the next
+constexpr double sliver = 0.3;             // area over longest edge squared, over the same without strain
+constexpr double entering = 0.02;          // window below which a node has just come over the triangle
 /// Shortening of a distance to a triangle's window per distance that nodes have moved: by the node, and by a
 /// corner of the window, (1 + 2 e, -e, -e) of the triangle's.
 constexpr double closing = 2.0 + 4.0 * window_half_width;
