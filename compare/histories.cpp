@@ -214,10 +214,10 @@ std::vector<PhaseScore> score_history(const RunRecord& reference, const RunRecor
     std::vector<PhaseScore> scores;
     double from = -ever;
     for (std::size_t k = 0; k < openings.size(); ++k) {
-        const auto& [one, other] = openings[k];
+        const Opening &one = openings[k].first, &other = openings[k].second;
         double to = ever;  // since its snatch, as all that follow
         if (k + 1 < openings.size()) {
-            const auto& [next_one, next_other] = openings[k + 1];
+            const Opening &next_one = openings[k + 1].first, &next_other = openings[k + 1].second;
             to = std::max(0.0, std::min(next_one.begins - one.snatch, next_other.begins - other.snatch));
         }
         const double full = std::min(one.full - one.snatch, to);
@@ -230,7 +230,7 @@ std::vector<PhaseScore> score_history(const RunRecord& reference, const RunRecor
         add(HistoryPhase::inflation, 0.0, full);
         add(HistoryPhase::descent, full, to);
         if (k + 1 == openings.size()) break;
-        const auto& [next_one, next_other] = openings[k + 1];
+        const Opening &next_one = openings[k + 1].first, &next_other = openings[k + 1].second;
         from = std::max(one.snatch + to - next_one.snatch, other.snatch + to - next_other.snatch);
     }
     return scores;
