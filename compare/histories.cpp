@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
+
+#include "lib/math/vec.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -72,8 +73,6 @@ const Event* event_of(const RunRecord& record, std::initializer_list<const char*
     return nullptr;
 }
 
-constexpr double ever = std::numeric_limits<double>::infinity();
-
 /// A parachute that comes out, in the clock of its record [s].
 struct Opening {
     std::string parachute;
@@ -93,9 +92,9 @@ std::vector<Opening> openings_of(const RunRecord& record) {
         const std::string parachute = event.name.substr(0, dot);
         if (std::ranges::find(openings, parachute, &Opening::parachute) != openings.end()) continue;
         const auto at = [&](const char* name) { return record.find_event(parachute + "." + name); };
-        const double taut = time_of(at("line-stretch"), ever), snatch = time_of(at("snatch"), taut);
-        if (snatch < ever)
-            openings.push_back({parachute, event.time, snatch, time_of(at("full-open"), ever)});
+        const double taut = time_of(at("line-stretch"), infinity), snatch = time_of(at("snatch"), taut);
+        if (snatch < infinity)
+            openings.push_back({parachute, event.time, snatch, time_of(at("full-open"), infinity)});
     }
     std::ranges::stable_sort(openings, {}, &Opening::snatch);
     return openings;
@@ -113,7 +112,7 @@ std::vector<std::pair<Opening, Opening>> shared_openings(const RunRecord& refere
             shared.emplace_back(one, *other);
     if (shared.size() > 1 && shared.size() == ones.size() && shared.size() == others.size()) return shared;
     const auto all_of = [](const RunRecord& record) {
-        return Opening{"", -ever, snatch_of(record), time_of(event_of(record, {"full-open"}), ever)};
+        return Opening{"", -infinity, snatch_of(record), time_of(event_of(record, {"full-open"}), infinity)};
     };
     return {{all_of(reference), all_of(candidate)}};
 }
@@ -212,10 +211,11 @@ std::vector<PhaseScore> score_history(const RunRecord& reference, const RunRecor
     if (!of_reference || !of_candidate) return {};
     const auto openings = shared_openings(reference, candidate);
     std::vector<PhaseScore> scores;
-    double from = -ever;
+    double end_of_one = -infinity,
+           end_of_other = -infinity;  // of the parachute before, by each record's clock
     for (std::size_t k = 0; k < openings.size(); ++k) {
         const Opening &one = openings[k].first, &other = openings[k].second;
-        double to = ever;  // since its snatch, as all that follow
+        double to = infinity;  // since its snatch, as all that follow
         if (k + 1 < openings.size()) {
             const Opening &next_one = openings[k + 1].first, &next_other = openings[k + 1].second;
             to = std::max(0.0, std::min(next_one.begins - one.snatch, next_other.begins - other.snatch));
@@ -226,12 +226,11 @@ std::vector<PhaseScore> score_history(const RunRecord& reference, const RunRecor
             if (auto result = score(a, b, one.parachute, phase, begin, end))
                 scores.push_back(std::move(*result));
         };
-        add(HistoryPhase::deployment, from, 0.0);
+        add(HistoryPhase::deployment, std::max(end_of_one - one.snatch, end_of_other - other.snatch), 0.0);
         add(HistoryPhase::inflation, 0.0, full);
         add(HistoryPhase::descent, full, to);
-        if (k + 1 == openings.size()) break;
-        const Opening &next_one = openings[k + 1].first, &next_other = openings[k + 1].second;
-        from = std::max(one.snatch + to - next_one.snatch, other.snatch + to - next_other.snatch);
+        end_of_one = one.snatch + to;
+        end_of_other = other.snatch + to;
     }
     return scores;
 }

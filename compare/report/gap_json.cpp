@@ -51,15 +51,14 @@ Json metric_json(const MetricGap& metric) {
 Json history_json(const HistoryGap& history) {
     Json json;
     json["channel"] = history.row->key;
-    for (const PhaseScore& phase : history.phases)
-        (phase.parachute.empty()
-             ? json
-             : json["parachutes"][phase.parachute])[std::string(phase_name(phase.phase))] = {
-            {"from_s", phase.from},
-            {"to_s", phase.to},
-            {"relative_maximum", phase.maximum},
-            {"relative_l2", phase.l2},
-            {"relative_infinity", phase.infinity}};
+    for (const PhaseScore& phase : history.phases) {
+        Json& phases = phase.parachute.empty() ? json : json["parachutes"][phase.parachute];
+        phases[std::string(phase_name(phase.phase))] = {{"from_s", phase.from},
+                                                        {"to_s", phase.to},
+                                                        {"relative_maximum", phase.maximum},
+                                                        {"relative_l2", phase.l2},
+                                                        {"relative_infinity", phase.infinity}};
+    }
     put(json, "score", history.score);
     if (history.tolerance) {
         json["tolerance"] = history.tolerance->value;

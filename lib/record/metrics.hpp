@@ -54,7 +54,7 @@ std::string metric_head(std::string name);
 const MetricRow* find_judgeable_row(std::string_view name);
 /// Beginning of a name that has such a row, "main_"; empty of one that is in the table.
 std::string_view head_of_judgeable(std::string_view name);
-const MetricRow* find_metric_row(std::string_view name);  ///< likewise, of a number
+const MetricRow* find_metric_row(std::string_view name);  ///< row of a number, by the same names
 
 struct MetricKey {
     std::string_view name;  ///< without the unit, e.g. "snatch_speed"

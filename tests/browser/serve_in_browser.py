@@ -130,7 +130,7 @@ def shows_what_the_command_line_says(page, twinchute, scene):
 
 
 def at_rest(look):
-    """What `look` returns once it is the same twice: a page that still lays itself out moves under the mouse."""
+    """Looks until it sees the same twice: a page that still lays itself out moves under the mouse."""
     last, now = None, look()
     while now != last:
         last, now = now, look()

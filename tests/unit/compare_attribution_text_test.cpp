@@ -81,7 +81,7 @@ TEST(CompareAttributionText, ComesBackFromJson) {
     EXPECT_FALSE(read_attribution(gap_json(none), "gap.json", none));
 }
 
-// Of several parachutes, by the parachute's name, with the unit; in gap.json, too.
+// Metrics of one of several parachutes have its name and their unit, in gap.json, too.
 TEST(CompareAttributionText, ExplainsAParachutesOwnMetrics) {
     Comparison comparison = synthetic_comparison();
     comparison.reference.add_metric("main_filling_time_s", 1.5);

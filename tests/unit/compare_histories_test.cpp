@@ -163,8 +163,8 @@ RunRecord two_in_turn(double snatch, double pull, double leaves = 4) {
 }
 
 TEST(CompareHistories, EachParachuteInTurnIsAlignedAtItsOwnSnatch) {
-    // The same main, snatched half a second later (exact in binary), a quarter of a second earlier out of its
-    // pack: nothing is apart but the clock.
+    // Two mains alike, one snatched half a second later (exact in binary), a quarter of a second earlier out
+    // of its pack: nothing is apart but the clock.
     const RunRecord reference = two_in_turn(5, 2);
     const auto late = score_history(reference, two_in_turn(5.5, 2, 3.75), force_row());
     struct Expected {
@@ -204,9 +204,9 @@ TEST(CompareHistories, WithoutTheSameParachutesThereIsOneClock) {
     ASSERT_EQ(phases.size(), 2u);
     EXPECT_EQ(phases.back().parachute, "");
     EXPECT_DOUBLE_EQ(phases.back().to, 9.0);  // to the end, the main's pull included
-    // Of 10 over 2 s, 1 over 1 s and 2 over 5 s, in squares, the last are missing.
+    // Squares of 10 over 2 s, 1 over 1 s and 2 over 5 s: the last are missing.
     EXPECT_NEAR(*judged_score(phases), std::sqrt(20.0 / 221.0), round_off);
-    // Nor where a third one comes out in one record alone.
+    // One clock, too, where a third one comes out in one record alone.
     RunRecord more = reference;
     more.events.push_back({"reserve.snatch", 8, 0, 0});
     for (const auto& scores :

@@ -48,7 +48,7 @@ TEST(CampaignRead, TakesUnitsOfTheKey) {
     EXPECT_DOUBLE_EQ(spec.answers[1].level, 0.99);
 }
 
-// Whether the scene has that parachute, a run of it says.
+// A run of the scene says whether it has that parachute.
 TEST(CampaignRead, AsksForMetricsOfOneParachute) {
     const std::string vary =
         head + "[[vary]]\nkey = \"payload.mass\"\ndist = { uniform = { low = 50, high = 60 } }\n";

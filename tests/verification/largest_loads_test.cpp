@@ -144,7 +144,7 @@ TEST(LargestLoads, PercentileLeavesTenPercentOfTheAreaAbove) {
     }
     EXPECT_LE(above, 0.1 * whole);
     EXPECT_GT(as_high, 0.1 * whole);
-    // What has been found before stays where this is no larger, looked at or not.
+    // A percentile found before stays where this one is no larger, looked at or not.
     EXPECT_EQ(stress_p90(state, mesh, laws, found), found);
     EXPECT_EQ(stress_p90(state, mesh, laws, 2.0 * found), 2.0 * found);
     EXPECT_EQ(stress_p90(state, mesh, laws, 0.5 * found), found);
