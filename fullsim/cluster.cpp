@@ -15,9 +15,11 @@
 namespace twinchute::fullsim {
 namespace {
 
-constexpr double clearance = 1.02;    // of neighbours at the start
-constexpr double widest_lean = 0.9;   // sine of it
-constexpr double near_share = 0.005;  // of D0, within which nodes are looked at in every step
+constexpr double clearance = 1.02;           // of neighbours at the start
+constexpr double widest_lean = 0.9;          // sine of it
+constexpr double near_share = 0.005;         // of D0, within which nodes are looked at in every step
+constexpr double step_of_free_flight = 0.1;  // [s] a condition that is met for less may be missed
+constexpr double one_moment = 1e-9;          // [s] by which two times may miss each other
 
 /// w [1/s] of contact between canopies: that of waves in taut fabric across an element of mean size. It costs
 /// some per cent of the step, and the fabric of a C-9 goes some millimetres behind the plane.
@@ -110,6 +112,8 @@ Cluster::Cluster(const Scene& scene, const Simulation::LayoutMaker& layout, int 
       make_layout_(layout),
       staged_(has_stages(scene)),
       alone_(released_payload(scene)),
+      step_from_(alone_),
+      step_to_(alone_),
       payload_mass_(alone_.mass),
       tuner_(std::min(threads, canopies_of(scene))) {
     const int count = scene.parachutes.front().count;
@@ -168,7 +172,7 @@ bool Cluster::was_checked() const {
 }
 
 std::size_t Cluster::join(std::size_t parachute, double left) {
-    const std::int64_t step = this->step();
+    const std::int64_t step = out_.empty() ? steps_before_ : this->step();
     const PayloadFlight now = payload();
     const std::size_t first = size();
     auto scene = std::make_unique<Scene>(scene_in_flight(scene_, parachute, now));
@@ -196,11 +200,13 @@ std::size_t Cluster::join(std::size_t parachute, double left) {
 
 void Cluster::leave(std::size_t first) {
     const PayloadFlight now = payload();
-    step_alone_ = step();
+    const std::int64_t steps = step();
     std::erase_if(out_, [&](std::size_t k) { return members_[k].departure == members_[first].departure; });
     if (!out_.empty()) return share_payload(now.velocity);
+    steps_before_ = steps;
     alone_ = now;
     alone_.acceleration = free_acceleration(scene_, now.mass, now.position, now.velocity);
+    step_to_ = alone_;
 }
 
 /// [kg] of all nodes of the payload: it, its packs, and what they carry of the risers.
@@ -285,10 +291,16 @@ void Cluster::share_pulls(double kick, int subcycles) {
 }
 
 void Cluster::fly_alone(double end) {
-    checked_alone_ = step_alone_ % Simulation::steps_between_checks == 0;
-    ++step_alone_;
+    checked_alone_ = steps_alone_ % Simulation::steps_between_checks == 0;
+    ++steps_alone_;
+    const double next_row = alone_.time + 1.0 / scene_.full.output_rate;
     try {
-        alone_ = fly_free(scene_, alone_, end, watch_);
+        if (alone_.time >= step_to_.time) {
+            step_from_ = alone_;
+            step_to_ = fly_free(scene_, alone_, std::min(end, alone_.time + step_of_free_flight), watch_);
+        }
+        const double next = std::min(next_row, end);
+        alone_ = next < step_to_.time - one_moment ? fly_free(scene_, step_from_, next) : step_to_;
     } catch (const std::runtime_error& failure) {
         fault_alone_ = RunStatus{StatusCode::solver_failed,
                                  fmt::format("the payload's flight without a canopy from t = {:.4g} s: {}",
@@ -429,12 +441,15 @@ std::optional<RunStatus> Cluster::find_fault() {
 /// Writes the members of a scene with stages, or makes them: where they are read nobody has yet.
 void Cluster::serialize_members(Archive& archive) {
     archive.number("payload's mass", payload_mass_);
-    for (double* x : {&alone_.time, &alone_.mass})
-        archive.number("payload alone", *x);
-    for (Vec3* vector : {&alone_.position, &alone_.velocity, &alone_.acceleration})
-        for (double& x : *vector)
-            archive.number("payload alone", x);
-    archive.whole("steps", step_alone_, 0);
+    for (PayloadFlight* flight : {&alone_, &step_from_, &step_to_}) {
+        for (double* x : {&flight->time, &flight->mass})
+            archive.number("payload alone", *x);
+        for (Vec3* vector : {&flight->position, &flight->velocity, &flight->acceleration})
+            for (double& x : *vector)
+                archive.number("payload alone", x);
+    }
+    archive.whole("steps alone", steps_alone_, 0);
+    archive.whole("steps before", steps_before_, 0);
     archive.flag("checked", checked_alone_);
     std::size_t count = departures_.size();
     archive.whole("parachutes that have left their packs", count, 0, scene_.parachutes.size());

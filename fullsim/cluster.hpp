@@ -69,7 +69,11 @@ public:
     const Simulation& front() const { return *canopies_[out_.front()]; }
 
     double time() const { return out_.empty() ? alone_.time : front().system().time; }  ///< [s]
-    std::int64_t step() const { return out_.empty() ? step_alone_ : front().system().step; }
+    /// Steps with canopies out, or of the flight alone: neither counts those of the other.
+    std::int64_t step() const { return out_.empty() ? steps_alone_ : front().system().step; }
+    std::int64_t all_steps() const {
+        return steps_alone_ + (out_.empty() ? steps_before_ : front().system().step);
+    }
     /// The payload now; its acceleration only where it flies alone.
     PayloadFlight payload() const;
     /// A check of the last step has looked for faults.
@@ -152,8 +156,11 @@ private:
     };
     std::vector<Member> members_;
     std::vector<std::size_t> out_;
-    PayloadFlight alone_;          // while none is out
-    std::int64_t step_alone_ = 0;  // likewise
+    // While none is out. The flight goes by steps of its own, each from where the last one has come to; what
+    // is asked of it in between starts from there, too, so that nothing depends on how often that is.
+    PayloadFlight alone_, step_from_, step_to_;
+    std::int64_t steps_alone_ = 0;   // looks at it
+    std::int64_t steps_before_ = 0;  // of canopies that were out before
     bool checked_alone_ = false;
     std::optional<RunStatus> fault_alone_;
     double payload_mass_ = 0.0;  // [kg] with packs, of a scene with stages

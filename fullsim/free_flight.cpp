@@ -56,10 +56,11 @@ PayloadFlight fly_free(const Scene& scene, const PayloadFlight& from, double end
             }
         },
         from.time, start, tolerance, std::vector<double>(start.size(), tolerance), 3);
-    solver.watch(static_cast<int>(watch(from).size()),
-                 [&](double t, std::span<const double> y, std::span<double> values) {
-                     std::ranges::copy(watch(flight_at(t, y)), values.begin());
-                 });
+    if (watch)
+        solver.watch(static_cast<int>(watch(from).size()),
+                     [&](double t, std::span<const double> y, std::span<double> values) {
+                         std::ranges::copy(watch(flight_at(t, y)), values.begin());
+                     });
     solver.stop_at(end);
     for (;;) {
         switch (solver.advance()) {

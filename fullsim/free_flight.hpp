@@ -28,6 +28,7 @@ using FlightWatch = std::function<std::vector<double>(const PayloadFlight&)>;
 
 /// On from `from` to `end` [s], or until one of `watch` changes its sign. Throws std::runtime_error where the
 /// integrator fails.
-PayloadFlight fly_free(const Scene& scene, const PayloadFlight& from, double end, const FlightWatch& watch);
+PayloadFlight fly_free(const Scene& scene, const PayloadFlight& from, double end,
+                       const FlightWatch& watch = {});
 
 }  // namespace twinchute::fullsim

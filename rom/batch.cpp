@@ -17,6 +17,7 @@
 #include "lib/solve/opening.hpp"
 #include "lib/solve/sundials_lanes.hpp"
 #include "rom/batch_lanes.hpp"
+#include "rom/rom_record.hpp"
 #include "rom/run_context.hpp"
 #include "rom/run_rom.hpp"
 
@@ -428,10 +429,9 @@ bool takes(const Scene& scene) {
 }  // namespace
 
 bool batches(const Scene& scene, std::span<const std::string> keys) {
-    const auto needs_history = [](const std::string& key) {
-        return key == "impulse_N_s" || key.ends_with("_percent_drag_area_s");
-    };
-    return takes(scene) && std::ranges::none_of(keys, needs_history);
+    return takes(scene) && std::ranges::none_of(keys, [](const std::string& key) {
+               return key == "impulse_N_s" || needs_channels(key);
+           });
 }
 
 void batch_metrics(std::span<const Scene> scenes, Run& run, std::span<const std::string> keys,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "lib/models/snatch.hpp"
 #include "lib/solve/opening.hpp"
@@ -19,6 +20,12 @@ constexpr double breaking_strain = 0.3;
 Vec3 place_of(const HistoryRow& row, const Scene& scene, int dimensions) {
     if (dimensions == 3) return {row.east, row.north, row.altitude};
     return row.east * heading_direction(scene.release) + row.altitude * Vec3::UnitZ();
+}
+
+bool needs_channels(std::string_view key) {
+    constexpr std::array<std::string_view, 5> ends{"_percent_drag_area_s", "_drag_area_m2",
+                                                   "_descent_rate_m_s", "_mach_number", "max_altitude_m"};
+    return std::ranges::any_of(ends, [&](std::string_view end) { return key.ends_with(end); });
 }
 
 void add_channels(RunRecord& record, const std::vector<HistoryRow>& rows, const Scene& scene,

@@ -226,15 +226,12 @@ RunStatus metrics_in(const Scene& scene, Run& run, std::span<const std::string> 
     note_squids(record, sequence, end_of_flight(scene, context.observer.rows().back()));
     add_opening_metrics(record, scene, result, {}, {});
     note_never_opened(record, scene, never_opened(sequence), reached_by(scene, context, sequence));
-    const auto of_history = [](const std::string& key) {
-        return key.ends_with("_percent_drag_area_s") || key.ends_with("_drag_area_m2") ||
-               key.ends_with("_descent_rate_m_s");
-    };
-    if (std::ranges::any_of(keys, of_history)) {
+    if (std::ranges::any_of(keys, needs_channels)) {
         add_channels(record, context.observer.rows(), scene, dimensions);
         add_drag_area_times(record, scene, result, MetricKind::result);
         add_reefed_drag_areas(record, scene, result);
         add_stage_descent_rates(record, scene, result);
+        add_validity(record, scene, result);
     }
     const Parachute& chute = scene.parachutes.front();
     if (chute.filling.is_predicted() && scene.parachutes.size() == 1)

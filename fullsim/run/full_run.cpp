@@ -239,7 +239,6 @@ void FullRun::add_event(std::string name) {
 double FullRun::next_stop() const {
     double next = std::min(stop_time_, event_stop_);
     if (stages_) next = std::min(next, stages_->sequence.next_time());
-    if (cluster_.out().empty()) next = std::min(next, cluster_.time() + 1.0 / scene_.full.output_rate);
     for (const std::size_t k : cluster_.out())
         next = std::min(next, canopies_[k]->next_stop());
     return next;
@@ -665,8 +664,8 @@ void FullRun::fill_cost() {
     Cost& cost = record_.cost;
     cost.wall_s = clock_.wall();
     cost.cpu_s = clock_.cpu();
-    cost.steps = cluster_.step();
-    cost.rhs_calls = cluster_.step();
+    cost.steps = cluster_.all_steps();
+    cost.rhs_calls = cost.steps;
     for (std::size_t k = 0; k < cluster_.size() && cost.steps > 0; ++k) {
         const StepControl& steps = cluster_[k].steps();
         cost.dt_min_s = k == 0 ? steps.dt_min() : std::min(cost.dt_min_s, steps.dt_min());

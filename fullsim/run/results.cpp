@@ -174,9 +174,13 @@ void add_past_events(const Observer& observer, double snatch, const OpeningResul
                      RunRecord& record) {
     const auto& rows = observer.rows();
     const auto add = [&](const char* name, double time) {
-        auto row = std::ranges::lower_bound(rows, time, {}, &HistoryRow::time);
-        if (row == rows.end()) --row;
-        record.events.push_back({name, time, row->position.z(), row->velocity.norm()});
+        auto after = std::ranges::lower_bound(rows, time, {}, &HistoryRow::time);
+        if (after == rows.end()) --after;
+        const auto before = after == rows.begin() ? after : after - 1;
+        const double share = after == before ? 1.0 : (time - before->time) / (after->time - before->time);
+        const auto between = [share](double a, double b) { return a + std::min(1.0, share) * (b - a); };
+        record.events.push_back({name, time, between(before->position.z(), after->position.z()),
+                                 between(before->velocity.norm(), after->velocity.norm())});
     };
     if (result.peak_force) add("peak-force", result.peak_time);
     if (result.filling_time) add("canopy-filled", snatch + *result.filling_time);
@@ -235,6 +239,12 @@ void add_structure(const RunView& run, std::optional<double> steady_area, RunRec
         add_shape(run, *steady_area, record);
     record.add_metric("max_line_tension_N", most.line_tension, MetricKind::result,
                       "elastic, of all lines and steps");
+    if (!(most.fabric_stress > 0.0)) {
+        for (const char* key : {"max_membrane_stress_N_m", "membrane_stress_p90_N_m"})
+            record.missing.push_back(
+                {key, "no fabric was taut as finite elements", record.status.code == StatusCode::completed});
+        return add_strength_margins(record, run.parachute());
+    }
     record.add_metric("max_membrane_stress_N_m", most.fabric_stress, MetricKind::result,
                       "first principal, elastic, of all triangles and steps; larger on finer meshes");
     record.add_metric("membrane_stress_p90_N_m", run.observer.rows().back().stress_p90, MetricKind::result,
@@ -397,6 +407,10 @@ void add_parachute(const RunView& run, bool several, RunRecord& record) {
     for (const Metric& metric : own.metrics)
         if (metric.key != "peak_force_N" && metric.key != "filling_time_s")
             record.add_metric(head_of(run) + metric.key, metric.value, metric.kind, metric.note);
+    for (MissingMetric& missing : own.missing) {
+        missing.metric = head_of(run) + missing.metric;
+        record.missing.push_back(std::move(missing));
+    }
     for (Warning& warning : own.warnings) {
         if (several) warning.what = run.parachute().name + ": " + warning.what;
         record.warnings.push_back(std::move(warning));

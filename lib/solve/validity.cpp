@@ -229,7 +229,7 @@ void add_validity(RunRecord& record, const Scene& scene, const OpeningResult& re
         }
         if (!has_lines) continue;
         const double reynolds = out.chute->line.diameter * flown.reynolds_per_length(out.begin, out.end);
-        record.add_metric("max_line_reynolds_number", reynolds, MetricKind::result,
+        record.add_metric(metric_head(out.name) + "max_line_reynolds_number", reynolds, MetricKind::result,
                           "of a suspension line across the air");
         judge.judge(line_reynolds, reynolds, true);
     }

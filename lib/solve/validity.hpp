@@ -36,10 +36,10 @@ struct CorrelationRow {
 
 std::span<const CorrelationRow> correlation_rows();
 
-/// Adds the metrics max_mach_number, snatch_mach_number, max_altitude_m and, where lines have drag,
-/// max_line_reynolds_number, and a warning for each quantity that left the range of a correlation which the
-/// scene uses. The record has its channels. Air without a temperature has no Mach number: its metrics are
-/// absent, and what is warned of is judged at the temperature of its viscosity.
+/// Adds the metrics max_mach_number and max_altitude_m, of each parachute snatch_mach_number and, where lines
+/// have drag, max_line_reynolds_number, and a warning for each quantity that left the range of a correlation
+/// which the scene uses. The record has its channels. Air without a temperature has no Mach number: its
+/// metrics are absent, and what is warned of is judged at the temperature of its viscosity.
 void add_validity(RunRecord& record, const Scene& scene, const OpeningResult& result);
 
 }  // namespace twinchute

@@ -18,8 +18,6 @@
 namespace twinchute::fullsim {
 namespace {
 
-const FlightWatch nothing = [](const PayloadFlight&) { return std::vector<double>{}; };
-
 /// The shipped scene on a mesh that runs in a second.
 Scene drogue_and_main(const std::vector<std::string>& changes = {}) {
     std::vector<std::string> all{"full.mesh={gore_columns=2,gore_rows=7,line_elements=10,riser_elements=2}",
@@ -40,7 +38,7 @@ TEST(FreeFlight, InVacuumIsAParabola) {
     Scene scene = drogue_and_main();
     scene.environment.atmosphere.constant_density = 0.0;
     scene.payload.drag_area.reset();
-    const PayloadFlight start = released_payload(scene), end = fly_free(scene, start, 3.0, nothing);
+    const PayloadFlight start = released_payload(scene), end = fly_free(scene, start, 3.0);
     const double g = scene.environment.gravity;
     EXPECT_EQ(end.time, 3.0);
     // To the integrator's tolerance, 1e-10 of hundreds of metres.
@@ -54,7 +52,7 @@ TEST(FreeFlight, ComesToTheSpeedOfItsDrag) {
     Scene scene = drogue_and_main();
     scene.environment.atmosphere = test::c9_scene().environment.atmosphere;  // of one density
     scene.release.speed = 0.0;
-    const PayloadFlight start = released_payload(scene), end = fly_free(scene, start, 8.0, nothing);
+    const PayloadFlight start = released_payload(scene), end = fly_free(scene, start, 8.0);
     const double g = scene.environment.gravity,
                  steady = std::sqrt(2.0 * start.mass * g / (1.225 * *scene.payload.drag_area));
     EXPECT_NEAR(-end.velocity.z(), steady * std::tanh(g * 8.0 / steady), 1e-7);
@@ -142,7 +140,6 @@ TEST_P(StagesOf, MomentumIsKeptAsParachutesJoinAndLeave) {
     scene.aerodynamics = {};
     scene.full.noise = Noise{1e-3, 3};
     Cluster cluster(scene);
-    cluster.watch(nothing);
     const double all = cluster.payload().mass;
     cluster.step_to(0.1);
     const Vec3 before = momentum(cluster);
@@ -202,6 +199,37 @@ TEST_P(StagesOf, MomentumIsKeptAsParachutesJoinAndLeave) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Mains, StagesOf, ::testing::Values(1, 3));
+
+TEST(Stages, HowOftenTheHistoryIsWrittenChangesNothing) {
+    // What leaves its pack amplifies rounding, so that anything that rows did to the flight before it would
+    // show. Rates that share no row, before the drogue and between it and the main.
+    const auto run = [](double rate) {
+        return test::run_full(drogue_and_main(
+            {"parachute.drogue.cut={time=1.5}",
+             "parachute.main.deploy={by='pilot',pilot_drag_area='0.5 m^2',when={altitude='900 m'}}",
+             "stop={time=4}", fmt::format("full.output_rate={}", rate)}));
+    };
+    const RunRecord rare = run(7.0), often = run(430.0);
+    ASSERT_EQ(rare.status.code, StatusCode::completed) << rare.status.detail;
+    ASSERT_LT(10 * rare.find_channel("time")->values.size(), often.find_channel("time")->values.size());
+    ASSERT_EQ(rare.events.size(), often.events.size());
+    ASSERT_TRUE(rare.find_event("main.snatch"));
+    for (std::size_t i = 0; i < rare.events.size(); ++i) {
+        EXPECT_EQ(rare.events[i].name, often.events[i].name);
+        EXPECT_EQ(rare.events[i].time, often.events[i].time) << rare.events[i].name;
+        EXPECT_EQ(rare.events[i].speed, often.events[i].speed) << rare.events[i].name;
+    }
+    EXPECT_EQ(*rare.metric("max_force_N"), *often.metric("max_force_N"));
+    // The main is no finite elements yet: a stress of 0 would be a number that nobody computed.
+    EXPECT_TRUE(often.metric("drogue_max_membrane_stress_N_m"));
+    for (const char* key : {"main_max_membrane_stress_N_m", "main_membrane_stress_p90_N_m"}) {
+        EXPECT_FALSE(often.metric(key)) << key;
+        ASSERT_NE(std::ranges::find(often.missing, key, &MissingMetric::metric), often.missing.end()) << key;
+    }
+    // Of each parachute: the drogue meets faster air, with the same cord.
+    EXPECT_GT(*often.metric("drogue_max_line_reynolds_number"),
+              *often.metric("main_max_line_reynolds_number"));
+}
 
 TEST(Stages, TwoOutAtOncePullOnOnePayload) {
     // Drogue and main out at once, each with half of the payload: the payload feels both.
