@@ -200,10 +200,9 @@ std::size_t Cluster::join(std::size_t parachute, double left) {
 
 void Cluster::leave(std::size_t first) {
     const PayloadFlight now = payload();
-    const std::int64_t steps = step();
+    steps_before_ = step();
     std::erase_if(out_, [&](std::size_t k) { return members_[k].departure == members_[first].departure; });
     if (!out_.empty()) return share_payload(now.velocity);
-    steps_before_ = steps;
     alone_ = now;
     alone_.acceleration = free_acceleration(scene_, now.mass, now.position, now.velocity);
     step_to_ = alone_;

@@ -71,6 +71,7 @@ public:
     double time() const { return out_.empty() ? alone_.time : front().system().time; }  ///< [s]
     /// Steps with canopies out, or of the flight alone: neither counts those of the other.
     std::int64_t step() const { return out_.empty() ? steps_alone_ : front().system().step; }
+    /// Sum of both.
     std::int64_t all_steps() const {
         return steps_alone_ + (out_.empty() ? steps_before_ : front().system().step);
     }
@@ -156,10 +157,10 @@ private:
     };
     std::vector<Member> members_;
     std::vector<std::size_t> out_;
-    // While none is out. The flight goes by steps of its own, each from where the last one has come to; what
-    // is asked of it in between starts from there, too, so that nothing depends on how often that is.
+    // While none is out. The flight takes steps of its own, each from where the last one has come to. Rows in
+    // between start there, too, and lead nowhere: nothing depends on how many there are.
     PayloadFlight alone_, step_from_, step_to_;
-    std::int64_t steps_alone_ = 0;   // looks at it
+    std::int64_t steps_alone_ = 0;   // that a row ends, or the flight itself
     std::int64_t steps_before_ = 0;  // of canopies that were out before
     bool checked_alone_ = false;
     std::optional<RunStatus> fault_alone_;

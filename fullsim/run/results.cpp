@@ -177,10 +177,10 @@ void add_past_events(const Observer& observer, double snatch, const OpeningResul
         auto after = std::ranges::lower_bound(rows, time, {}, &HistoryRow::time);
         if (after == rows.end()) --after;
         const auto before = after == rows.begin() ? after : after - 1;
-        const double share = after == before ? 1.0 : (time - before->time) / (after->time - before->time);
-        const auto between = [share](double a, double b) { return a + std::min(1.0, share) * (b - a); };
-        record.events.push_back({name, time, between(before->position.z(), after->position.z()),
-                                 between(before->velocity.norm(), after->velocity.norm())});
+        const double lasts = after->time - before->time,
+                     share = lasts > 0.0 ? std::min(1.0, (time - before->time) / lasts) : 1.0;
+        record.events.push_back({name, time, std::lerp(before->position.z(), after->position.z(), share),
+                                 std::lerp(before->velocity.norm(), after->velocity.norm(), share)});
     };
     if (result.peak_force) add("peak-force", result.peak_time);
     if (result.filling_time) add("canopy-filled", snatch + *result.filling_time);
@@ -239,18 +239,19 @@ void add_structure(const RunView& run, std::optional<double> steady_area, RunRec
         add_shape(run, *steady_area, record);
     record.add_metric("max_line_tension_N", most.line_tension, MetricKind::result,
                       "elastic, of all lines and steps");
-    if (!(most.fabric_stress > 0.0)) {
+    if (most.fabric_stress > 0.0) {
+        record.add_metric("max_membrane_stress_N_m", most.fabric_stress, MetricKind::result,
+                          "first principal, elastic, of all triangles and steps; larger on finer meshes");
+        record.add_metric(
+            "membrane_stress_p90_N_m", run.observer.rows().back().stress_p90, MetricKind::result,
+            fmt::format("10 % of the fabric's area is stressed higher; the largest of {:g} looks a "
+                        "second, settles on finer meshes",
+                        run.scene.full.output_rate));
+    } else {
         for (const char* key : {"max_membrane_stress_N_m", "membrane_stress_p90_N_m"})
             record.missing.push_back(
                 {key, "no fabric was taut as finite elements", record.status.code == StatusCode::completed});
-        return add_strength_margins(record, run.parachute());
     }
-    record.add_metric("max_membrane_stress_N_m", most.fabric_stress, MetricKind::result,
-                      "first principal, elastic, of all triangles and steps; larger on finer meshes");
-    record.add_metric("membrane_stress_p90_N_m", run.observer.rows().back().stress_p90, MetricKind::result,
-                      fmt::format("10 % of the fabric's area is stressed higher; the largest of {:g} looks a "
-                                  "second, settles on finer meshes",
-                                  run.scene.full.output_rate));
     Parachute of_sheet = run.parachute();
     of_sheet.fabric = meshed_fabric(of_sheet);
     // Which fabric the largest stress was in is not known.

@@ -60,8 +60,8 @@ TEST(Loads, ACanopyIsFullAt98PercentOfItsSteadyArea) {
         const RunRecord record = test::run_full(scene);
         EXPECT_NEAR(*record.metric("filling_time_s"), filled_at(record, 0.98), 1e-12) << added_mass;
         EXPECT_EQ(record.find_event("canopy-filled")->time, *record.metric("filling_time_s"));
-        // Where it was then is read between two rows: 25 ms apart the straight line is at most
-        // dt^2/8 |dv/dt|' off, 1/200 m/s at 60 m/s^3; the next row alone up to 0.5 m/s.
+        // Speed and altitude are read between two rows. At 25 ms the straight line is off by dt^2/8 of the
+        // second derivative at most, 5 mm/s at 60 m/s^3; the next row alone, by up to 0.5 m/s.
         Scene rare = scene;
         rare.full.output_rate = 40;
         const Event fine = *record.find_event("peak-force"),

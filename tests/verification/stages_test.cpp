@@ -201,8 +201,8 @@ TEST_P(StagesOf, MomentumIsKeptAsParachutesJoinAndLeave) {
 INSTANTIATE_TEST_SUITE_P(Mains, StagesOf, ::testing::Values(1, 3));
 
 TEST(Stages, HowOftenTheHistoryIsWrittenChangesNothing) {
-    // What leaves its pack amplifies rounding, so that anything that rows did to the flight before it would
-    // show. Rates that share no row, before the drogue and between it and the main.
+    // A packed opening amplifies rounding: whatever rows did to the flight before it would show. The payload
+    // flies alone before the drogue, and again before the main.
     const auto run = [](double rate) {
         return test::run_full(drogue_and_main(
             {"parachute.drogue.cut={time=1.5}",
@@ -226,7 +226,7 @@ TEST(Stages, HowOftenTheHistoryIsWrittenChangesNothing) {
         EXPECT_FALSE(often.metric(key)) << key;
         ASSERT_NE(std::ranges::find(often.missing, key, &MissingMetric::metric), often.missing.end()) << key;
     }
-    // Of each parachute: the drogue meets faster air, with the same cord.
+    // Each parachute has its own: the drogue meets faster air, with the same cord.
     EXPECT_GT(*often.metric("drogue_max_line_reynolds_number"),
               *often.metric("main_max_line_reynolds_number"));
 }
