@@ -112,7 +112,6 @@ Cluster::Cluster(const Scene& scene, const Simulation::LayoutMaker& layout, int 
       make_layout_(layout),
       staged_(has_stages(scene)),
       alone_(released_payload(scene)),
-      step_from_(alone_),
       step_to_(alone_),
       payload_mass_(alone_.mass),
       tuner_(std::min(threads, canopies_of(scene))) {
@@ -294,12 +293,10 @@ void Cluster::fly_alone(double end) {
     ++steps_alone_;
     const double next_row = alone_.time + 1.0 / scene_.full.output_rate;
     try {
-        if (alone_.time >= step_to_.time) {
-            step_from_ = alone_;
+        if (alone_.time >= step_to_.time)
             step_to_ = fly_free(scene_, alone_, std::min(end, alone_.time + step_of_free_flight), watch_);
-        }
         const double next = std::min(next_row, end);
-        alone_ = next < step_to_.time - one_moment ? fly_free(scene_, step_from_, next) : step_to_;
+        alone_ = next < step_to_.time - one_moment ? fly_free(scene_, alone_, next) : step_to_;
     } catch (const std::runtime_error& failure) {
         fault_alone_ = RunStatus{StatusCode::solver_failed,
                                  fmt::format("the payload's flight without a canopy from t = {:.4g} s: {}",
@@ -440,7 +437,7 @@ std::optional<RunStatus> Cluster::find_fault() {
 /// Writes the members of a scene with stages, or makes them: where they are read nobody has yet.
 void Cluster::serialize_members(Archive& archive) {
     archive.number("payload's mass", payload_mass_);
-    for (PayloadFlight* flight : {&alone_, &step_from_, &step_to_}) {
+    for (PayloadFlight* flight : {&alone_, &step_to_}) {
         for (double* x : {&flight->time, &flight->mass})
             archive.number("payload alone", *x);
         for (Vec3* vector : {&flight->position, &flight->velocity, &flight->acceleration})

@@ -157,9 +157,9 @@ private:
     };
     std::vector<Member> members_;
     std::vector<std::size_t> out_;
-    // While none is out. The flight takes steps of its own, each from where the last one has come to. Rows in
-    // between start there, too, and lead nowhere: nothing depends on how many there are.
-    PayloadFlight alone_, step_from_, step_to_;
+    // While none is out. The flight takes steps of its own, each from the end of the last one. Rows in
+    // between lead nowhere: the flight goes on from that end, however many there are.
+    PayloadFlight alone_, step_to_;
     std::int64_t steps_alone_ = 0;   // that a row ends, or the flight itself
     std::int64_t steps_before_ = 0;  // of canopies that were out before
     bool checked_alone_ = false;
