@@ -1,4 +1,6 @@
 // Self-contact: nodes of fabric and lines do not pass through triangles of fabric.
+#include "fullsim/forces/self_contact.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -52,9 +54,9 @@ double squared_distance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3&
     return (ap - (vb / sum) * ab - (vc / sum) * ac).squaredNorm();
 }
 
-class SelfContact final : public ForceModel {
+class PairsOfFabric final : public SelfContact {
 public:
-    SelfContact(const Mesh& mesh, double friction)
+    PairsOfFabric(const Mesh& mesh, double friction)
         : mesh_(mesh),
           friction_(friction),
           stiffness_(stiffness_share * mesh.stiffest_fabric().youngs_modulus *
@@ -68,10 +70,12 @@ public:
         for (const Triangle& t : mesh.triangles)
             for (int i = 0; i < 3; ++i)
                 join(t.node[i], t.node[(i + 1) % 3]);
-        for (const Triangle& t : mesh.triangles)
+        for (const Triangle& t : mesh.triangles) {
+            edge_.push_back(std::sqrt(t.a * t.c));
             fullness_.push_back(
                 sliver * t.a * t.c /
                 longest_edge_squared({Vec3(), {Vec3::Zero(), Vec3(t.a, 0.0, 0.0), Vec3(t.b, t.c, 0.0)}}));
+        }
         for (const Cable& c : mesh.cables)
             join(c.node[0], c.node[1]);
         for (auto& near : neighbours_) {
@@ -83,7 +87,7 @@ public:
 
     Block block() const override { return Block::self_contact; }
     std::size_t bytes() const override {
-        std::size_t bytes = bytes_of(neighbours_) + bytes_of(fullness_);
+        std::size_t bytes = bytes_of(neighbours_) + bytes_of(edge_) + bytes_of(fullness_);
         for (const auto& near : neighbours_)
             bytes += bytes_of(near);
         return bytes;
@@ -103,6 +107,15 @@ public:
             contact.spent += closer;
             look(state);
         }
+        push_awake(state);
+    }
+    bool sleeps_on(const SelfContactState& contact, double moved_squared) const override {
+        const double closer = closing * std::sqrt(moved_squared);
+        return contact.listed && closer <= reach_share * contact.skin &&
+               contact.spent + closer <= contact.skin;
+    }
+    void push_awake(State& state) const override {
+        SelfContactState& contact = state.contact;
         PairColumns& awake = contact.awake;
         std::vector<std::uint32_t>& attention = contact.attention;
         attention.resize(awake.node.size() / (4 * lanes()));
@@ -125,6 +138,21 @@ public:
                     changes = changes || pair.side != before;
                 }
         }
+    }
+
+    void mark_awake_nodes(const SelfContactState& contact, std::vector<bool>& marks) const override {
+        const auto mark = [&](const NearPair& pair) {
+            marks[pair.node] = true;
+            for (const NodeIndex i : mesh_.triangles[pair.triangle].node)
+                marks[i] = true;
+        };
+        std::vector<bool> asks(marks.size(), false);  // about the side on which it is over a neighbour
+        for (const std::int32_t k : contact.awake.index) {
+            mark(contact.pairs[k]);
+            asks[contact.pairs[k].node] = true;
+        }
+        for (const NearPair& pair : contact.pairs)
+            if (pair.side != 0 && asks[pair.node]) mark(pair);
     }
 
     /// Counts pairs that touch, and those that are within another thickness of it.
@@ -190,10 +218,7 @@ private:
         return at;
     }
     /// [m] of the unstrained triangle
-    double edge_of(std::int32_t triangle) const {
-        const Triangle& t = mesh_.triangles[triangle];
-        return std::sqrt(t.a * t.c);
-    }
+    double edge_of(std::int32_t triangle) const { return edge_[triangle]; }
     double thickness_of(const State& state, std::int32_t triangle) const {
         const NodeAndTriangle x = places(state, {0, triangle});
         return std::min(thickness_share * edge_of(triangle),
@@ -442,11 +467,12 @@ private:
                     std::vector<NearPair>& before) const {
         SelfContactState& contact = state.contact;
         std::vector<double> reach(longest.size());  // [m] of a triangle until the next search
+        std::vector<std::array<Vec3, 3>> corners(longest.size());
         std::vector<Box> boxes(longest.size());
         for (std::size_t t = 0; t < longest.size(); ++t) {
             reach[t] = contact.skin + std::min(thickness_share * edge_of(static_cast<std::int32_t>(t)),
                                                thickness_now * longest[t]);
-            const auto corner = widened(x, t);
+            const auto& corner = corners[t] = widened(x, t);
             const Vec3 margin = Vec3::Constant(reach[t]);
             boxes[t] = {corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]) - margin,
                         corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]) + margin};
@@ -458,11 +484,18 @@ private:
                  ++old)
                 if (old->side != 0) let_go(state, *old);
         };
+        // By node: the last one that it is, or that it is one edge, or cable, from.
+        std::vector<NodeIndex> touches(neighbours_.size(), -1);
         for (std::size_t i = 0; i < x.size(); ++i) {
             const auto node = static_cast<NodeIndex>(i);
+            touches[node] = node;
+            for (const NodeIndex near : neighbours_[node])
+                touches[near] = node;
             bins.each_that_holds(x[i], [&](std::int32_t t) {
-                if (touches(node, mesh_.triangles[t].node)) return;
-                const auto corner = widened(x, static_cast<std::size_t>(t));
+                if (std::ranges::any_of(mesh_.triangles[t].node,
+                                        [&](NodeIndex c) { return touches[c] == node; }))
+                    return;
+                const auto& corner = corners[t];
                 if (squared_distance(x[i], corner[0], corner[1], corner[2]) > reach[t] * reach[t]) return;
                 drop_until(node, t);
                 const bool stays = old != before.end() && old->node == node && old->triangle == t;
@@ -471,25 +504,20 @@ private:
         }
         drop_until(std::numeric_limits<NodeIndex>::max(), 0);
     }
-    /// Whether the node is a corner or one edge, or cable, from one.
-    bool touches(NodeIndex node, const std::array<NodeIndex, 3>& corner) const {
-        const std::vector<NodeIndex>& near = neighbours_[node];
-        return std::ranges::any_of(
-            corner, [&](NodeIndex c) { return c == node || std::ranges::binary_search(near, c); });
-    }
 
     const Mesh& mesh_;
     const self_contact::Kernels& kernels_ = self_contact::all_kernels().front();
     double friction_;   // [-]
     double stiffness_;  // [N/m]
     std::vector<std::vector<NodeIndex>> neighbours_;
+    std::vector<double> edge_;      // [m] by triangle, unstrained
     std::vector<double> fullness_;  // [-] by triangle: a sliver has less
 };
 
 }  // namespace
 
 std::unique_ptr<const ForceModel> make_self_contact(const Mesh& mesh, double friction) {
-    return std::make_unique<SelfContact>(mesh, friction);
+    return std::make_unique<PairsOfFabric>(mesh, friction);
 }
 
 }  // namespace twinchute::fullsim

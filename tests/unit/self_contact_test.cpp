@@ -8,6 +8,7 @@
 #include <random>
 
 #include "fullsim/forces/registry.hpp"
+#include "fullsim/forces/self_contact.hpp"
 #include "fullsim/forces/self_contact_kernels.hpp"
 #include "fullsim/forces/triangle_bins.hpp"
 #include "fullsim/laws/self_contact.hpp"
@@ -743,6 +744,42 @@ TEST(SelfContact, PairsThatSleepDoNotTouch) {
     }
     EXPECT_GT(asleep, 1000);
     EXPECT_GT(held, 100);
+}
+
+TEST(SelfContact, AsksForNoPlaceOfANodeThatSleeps) {
+    // A layout that keeps nodes elsewhere hands over those that are awake: bits are those of a run in which
+    // the records of all nodes are current in every step.
+    const Scene scene = coarse_scene();
+    Simulation alone(scene), watched(scene);
+    std::size_t asleep = 0;
+    for (int k = 0; k < 2000; ++k) {
+        take_steps(alone, 1);
+        watched.synchronised_state();
+        take_steps(watched, 1);
+        if (k % 97 != 0) continue;
+        // Nor does it read one that is not marked.
+        State all = alone.synchronised_state();
+        const ForceModels structure = make_structure(scene, alone.mesh(), all.stage);
+        const SelfContact* contact = find_self_contact(structure);
+        ASSERT_TRUE(contact);
+        std::vector<bool> awake(all.node.size(), false);
+        contact->mark_awake_nodes(all.contact, awake);
+        State some = all;
+        for (NodeIndex i = 0; i < alone.mesh().payload(); ++i) {
+            if (awake[i]) continue;
+            some.node[i] = {splat(std::nan("")), splat(std::nan(""))};
+            ++asleep;
+        }
+        for (State* state : {&all, &some}) {
+            clear_forces(*state);
+            contact->push_awake(*state);
+        }
+        for (NodeIndex i = 0; i < alone.mesh().payload(); ++i)
+            ASSERT_EQ(to_vec3(some.force[i].value), to_vec3(all.force[i].value)) << i << ' ' << k;
+    }
+    EXPECT_GT(asleep, 1000u);
+    EXPECT_EQ(alone.unknowns(), watched.unknowns());
+    EXPECT_EQ(alone.system().contact.searches, watched.system().contact.searches);
 }
 
 TEST(SelfContact, IsKnownToTheBoundOfTheFirstStep) {

@@ -158,32 +158,42 @@ void GoreNodes::store(State& state) const {
         }
 }
 
-void GoreNodes::store_places(State& state) const {
+std::vector<GoreNodes::OwnNode> GoreNodes::own_nodes(const std::vector<bool>* marks) const {
+    std::vector<OwnNode> nodes;
+    // Gore by gore within a node: its numbers lie side by side.
     for (LocalNode n = 0; n < gores_.own; ++n)
-        for (int gore = 0; gore < gores_.count; ++gore) {
-            NodeRecord& node = state.node[gores_.node[gore * gores_.own + n]];
-            for (int c = 0; c < 3; ++c) {
-                node.x[c] = at(frame.x, n, gore, c);
-                node.v[c] = at(frame.v, n, gore, c);
-            }
-        }
+        for (int gore = 0; gore < gores_.count; ++gore)
+            if (const NodeIndex i = gores_.node[gore * gores_.own + n]; !marks || (*marks)[i])
+                nodes.push_back({i, n, gore, static_cast<std::size_t>(&at(frame.x, n, gore, 0) - frame.x)});
+    return nodes;
 }
 
-void GoreNodes::scatter_add_contact(State& state, bool lines_touch, std::vector<OnLine>& on_lines) const {
+void GoreNodes::store_places(State& state, std::span<const OwnNode> nodes) const {
+    const double *const x = frame.x, *const v = frame.v;
+    const auto y = static_cast<std::size_t>(frame.lanes), z = 2 * y;
+    NodeRecord* const record = state.node.data();
+    for (const OwnNode& own : nodes) {
+        const double *x_of = x + own.at, *v_of = v + own.at;
+        NodeRecord& to = record[own.node];
+        to.x[0] = x_of[0], to.x[1] = x_of[y], to.x[2] = x_of[z];
+        to.v[0] = v_of[0], to.v[1] = v_of[y], to.v[2] = v_of[z];
+    }
+}
+
+void GoreNodes::scatter_add_contact(State& state, std::span<const OwnNode> nodes,
+                                    std::vector<OnLine>& on_lines) const {
     const NodeForces::View force = state.force.view();
     on_lines.clear();
-    // Node by node within a gore: forces on neighbours lie side by side, and most are none.
-    for (int gore = 0; gore < gores_.count; ++gore)
-        for (LocalNode n = 0; n < (lines_touch ? gores_.own : gores_.canopy); ++n) {
-            const NodeIndex i = gores_.node[gore * gores_.own + n];
-            const Lanes push = force[i].value;
-            if (push[0] == 0.0 && push[1] == 0.0 && push[2] == 0.0) continue;
-            force[i].value = splat(0.0);
-            const bool on_line = n >= gores_.canopy;
-            if (on_line) on_lines.push_back({n, gore, push});
-            for (int c = 0; c < 3; ++c)
-                at(on_line ? frame.aero : frame.force, n, gore, c) += push[c];
-        }
+    for (const auto& [i, n, gore, at] : nodes) {
+        const Lanes push = force[i].value;
+        if (push[0] == 0.0 && push[1] == 0.0 && push[2] == 0.0) continue;
+        force[i].value = splat(0.0);
+        const bool on_line = n >= gores_.canopy;
+        if (on_line) on_lines.push_back({n, gore, push});
+        double* to = (on_line ? frame.aero : frame.force) + at;
+        for (int c = 0; c < 3; ++c)
+            to[c * frame.lanes] += push[c];
+    }
 }
 
 void GoreNodes::scatter_add_forces(State& state) const {

@@ -48,18 +48,27 @@ public:
     /// From and to a state: positions and velocities, those half a step before, too.
     void load(const State& state) const;
     void store(State& state) const;
-    /// Positions and velocities alone.
-    void store_places(State& state) const;
+    /// An own node, and its number in the mesh.
+    struct OwnNode {
+        NodeIndex node;
+        LocalNode local;
+        int gore;
+        std::size_t at;  ///< offset of its first component in an array
+    };
+    /// Those of the marked nodes of the mesh that are some gore's own, gore by gore; all of them by default.
+    std::vector<OwnNode> own_nodes(const std::vector<bool>* marks = nullptr) const;
+    /// Positions and velocities of some, to a state.
+    void store_places(State& state, std::span<const OwnNode> nodes) const;
     /// A force on an own node of a line [N].
     struct OnLine {
         LocalNode node;
         int gore;
         Lanes force;
     };
-    /// Adds the forces of the state on own nodes, which are cleared there: on the canopy to the forces of
-    /// gores; on lines, whose forces are those of their cables alone, to those of the air, and says which.
-    /// lines_touch: whether there may be any.
-    void scatter_add_contact(State& state, bool lines_touch, std::vector<OnLine>& on_lines) const;
+    /// Adds the forces of the state on some, which are cleared there: on the canopy to the forces of gores;
+    /// on lines, whose forces are those of their cables alone, to those of the air, and says which.
+    void scatter_add_contact(State& state, std::span<const OwnNode> nodes,
+                             std::vector<OnLine>& on_lines) const;
     /// Adds the forces of the state on own nodes, which are cleared there. Not where `What` is pushed alone.
     void scatter_add_forces(State& state) const;
     /// Some of the canopy's nodes, by their numbers in the mesh: positions and velocities, and forces [N]

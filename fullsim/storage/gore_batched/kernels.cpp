@@ -123,6 +123,22 @@ double kinetic_energy(const GoreFrame& frame, std::span<const GoreNode> nodes, d
     return 0.5 * sum(twice);
 }
 
+double farthest(const GoreFrame& frame, const double* before, const std::array<double, 3>& centre) {
+    const Vec3s middle = SimdView::all3(centre);
+    Vec most = all(0.0), witness = most;
+    for (int b = frame.first; b < frame.last; ++b) {
+        const Block block(frame, b);
+        const double* then = before + frame.half_at(b, 0);
+        for (int n = 0; n < frame.own; ++n, then += frame.half_stride()) {
+            const Vec3s moved = block.position(n) - middle - load3(then);
+            const Vec squared = block.live * dot(moved, moved);
+            most = larger(squared, most);
+            witness += squared;
+        }
+    }
+    return nan_greatest(most, sum(witness));
+}
+
 /// The last lane of a block that has a gore, and the block in which the next gore is.
 HWY_INLINE int last_lane(const GoreFrame& frame, int block) {
     const int left = frame.gores - block * frame.lanes;
@@ -388,6 +404,7 @@ GoreKernels gore_kernels_here() {
             levels_of_springs,
             levels_of_cables,
             kinetic_energy,
+            farthest,
             fabric_drags,
             springs,
             cables,

@@ -156,6 +156,9 @@ struct GoreKernels {
     EnergyAndStrain (*cable_levels)(const GoreFrame&, std::span<const CableElement>);
     /// [J] of own nodes.
     double (*kinetic_energy)(const GoreFrame&, std::span<const GoreNode>, double added_mass);
+    /// The square of the farthest [m^2] that an own node has gone from `before`, relative to `centre`; NaN
+    /// where one is. before: [m] as v_half.
+    double (*farthest)(const GoreFrame&, const double* before, const std::array<double, 3>& centre);
     ElementSums (*fabric_drag)(const GoreFrame&, std::span<const MembraneElement>, const FabricDragPass&);
     ElementSums (*springs)(const GoreFrame&, std::span<const SpringElement>, const SpringPass&);
     ElementSums (*cables)(const GoreFrame&, std::span<const CableElement>);
