@@ -61,9 +61,6 @@ struct RunView {
     double drag_area_steady() const {
         return reefed() ? infinity : simulation().inflation().end_of(Phase::overshoot);
     }
-    /// [s] where filling to the full area begins: a mouth that is held together does not keep all of the
-    /// canopy from that.
-    double last_stage() const { return std::max(findings.snatch, findings.stages.back().begin); }
     /// [m/s] through the air, [kg/m^3]: at snatch.
     double snatch_speed() const { return packed() ? findings.snatch_speed : release_airspeed(scene).norm(); }
     double snatch_density() const {

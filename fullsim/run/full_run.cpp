@@ -189,6 +189,7 @@ void FullRun::observe_together(Observer& observer, std::span<const std::size_t> 
     }
     for (const std::size_t k : canopies) {
         sum.riser_force += cluster_[k].system().riser_force;
+        sum.air.projected_area += cluster_[k].system().air.projected_area;
         sum.in_subcycles.sum += cluster_[k].system().in_subcycles.sum;
         on_payload += cluster_[k].payload_force();
     }

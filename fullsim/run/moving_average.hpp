@@ -21,6 +21,12 @@ public:
     bool ready() const { return ready_; }
     double centre() const { return centre_; }  ///< [s] the time that value() belongs to
     double value() const { return value_; }
+    /// Of the signal, from its first sample to time t; as the last one since that.
+    double integral_until(double t) const {
+        if (end_ == 0) return 0.0;
+        const Sample& last = at(end_ - 1);
+        return last.integral + last_value_ * (t - last.t);
+    }
 
     /// Means at the end of the signal, whose windows would reach beyond its last sample and are cut off
     /// there, as visit(centre, mean): one for each sample that such a window may begin with. At least one

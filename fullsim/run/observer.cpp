@@ -3,7 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <span>
+#include <utility>
 
 namespace twinchute::fullsim {
 namespace {
@@ -128,6 +130,7 @@ void Observer::observe(const SystemState& state, const Vec3& payload_force) {
     // The payload node also carries half a riser element.
     const Vec3 acceleration = load / payload_mass_ - gravity_ * Vec3::UnitZ();
     force_.push(pull.time, mean);
+    note_growth({state.air.projected_area, state.time});
     acceleration_.push(pull.time, acceleration.norm());
     Extremes& most = extremes_;
     Peak& raw_most = state.time >= most.peak_from ? most.raw_peak : most.snatch_peak;
@@ -172,6 +175,17 @@ void Observer::add_row(const State& state) {
 void Observer::add_row(const HistoryRow& row) {
     if (row_is_due(row.time)) next_row_ = interval_ * (std::floor(row.time / interval_ + 1e-9) + 1.0);
     rows_.push_back(row);
+    rows_.back().impulse = force_.integral_until(row.time);
+}
+
+void Observer::note_growth(Peak area) {
+    const Peak before = std::exchange(area_, area);
+    if (growth_.empty()) return growth_.push_back({area, area});
+    if (!(area.value > growth_.back().now.value)) return;
+    const bool little =
+        growth_.size() > 1 && growth_.back().now.value < 1.001 * growth_[growth_.size() - 2].now.value;
+    if (little) growth_.pop_back();
+    growth_.push_back({before, area});
 }
 
 void Observer::settle_rows() {
@@ -196,6 +210,8 @@ void Observer::forget() {
     rows_.resize(std::max<std::size_t>(1, accepted_.rows));
     unsettled_ = std::min(accepted_.unsettled, rows_.size());
     extremes_ = accepted_.extremes;
+    while (!growth_.empty() && growth_.back().now.time > accepted_.time)
+        growth_.pop_back();
     for (; unsettled_ < rows_.size(); ++unsettled_) {
         // Their filter ran on into what is dropped.
         rows_[unsettled_].force = rows_[unsettled_].force_raw;
@@ -226,24 +242,26 @@ double Observer::mean(double HistoryRow::*column, double seconds) const {
     return span > 0.0 ? integral / span : rows_.back().*column;
 }
 
-double Observer::impulse(double from, double to) const {
-    double sum = 0.0;
-    for (std::size_t i = 1; i < rows_.size(); ++i) {
-        const double a = std::max(from, rows_[i - 1].time), b = std::min(to, rows_[i].time);
-        if (b > a) sum += 0.5 * (b - a) * (rows_[i - 1].force + rows_[i].force);
-    }
-    return sum;
+double Observer::impulse_until(double time) const {
+    const auto next = std::ranges::upper_bound(rows_, time, {}, &HistoryRow::time);
+    if (next == rows_.begin()) return rows_.front().impulse;
+    const HistoryRow& a = *std::prev(next);
+    if (next == rows_.end()) return a.impulse;
+    // Between rows as if the force were linear; what it is not, evenly.
+    const double after = time - a.time, interval = next->time - a.time, share = after / interval;
+    const double curved = next->impulse - a.impulse - 0.5 * interval * (a.force + next->force);
+    return a.impulse + after * (a.force + 0.5 * share * (next->force - a.force)) + share * curved;
 }
 
-std::optional<double> Observer::first_time_of_area(double area, double from) const {
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-        const double here = rows_[i].projected_area;
-        if (here < area || rows_[i].time < from) continue;
-        if (i == 0 || rows_[i - 1].time < from) return rows_[i].time;
-        const double before = rows_[i - 1].projected_area;
-        return rows_[i - 1].time + (rows_[i].time - rows_[i - 1].time) * (area - before) / (here - before);
-    }
-    return std::nullopt;
+std::optional<double> Observer::first_time_of_area(double area) const {
+    const auto found = std::ranges::find_if(growth_, [=](const Growth& g) { return g.now.value >= area; });
+    if (found == growth_.end()) return std::nullopt;
+    if (found == growth_.begin()) return found->now.time;
+    const auto reached = [=](const Peak& a, const Peak& b) {
+        return std::lerp(a.time, b.time, (area - a.value) / (b.value - a.value));
+    };
+    return area > found->before.value ? reached(found->before, found->now)
+                                      : reached(std::prev(found)->now, found->before);
 }
 
 void Observer::serialize_extremes(Archive& archive, Extremes& most) {
@@ -261,21 +279,27 @@ void Observer::serialize(Archive& archive) {
     archive.rows("rows", rows_, [](HistoryRow& row, auto&& each) {
         auto& [time, position, velocity, force, force_raw, acceleration, drag_area, dynamic_pressure,
                pressure, airspeed, projected_area, signed_area, added_mass, seam_diameter, depth, turns,
-               density, volume, mouth_area, inflow_ratio, stress_p90] = row;
+               density, volume, mouth_area, inflow_ratio, stress_p90, impulse] = row;
         each(position), each(velocity);
-        for (double* x : {&time, &force, &force_raw, &acceleration, &drag_area, &dynamic_pressure, &pressure,
-                          &airspeed, &projected_area, &signed_area, &added_mass, &seam_diameter, &depth,
-                          &turns, &density, &volume, &mouth_area, &inflow_ratio, &stress_p90})
+        for (double* x :
+             {&time,       &force,    &force_raw,      &acceleration, &drag_area,  &dynamic_pressure,
+              &pressure,   &airspeed, &projected_area, &signed_area,  &added_mass, &seam_diameter,
+              &depth,      &turns,    &density,        &volume,       &mouth_area, &inflow_ratio,
+              &stress_p90, &impulse})
             each(*x);
     });
     archive.whole("unsettled", unsettled_, 0, rows_.size());
     force_.serialize(archive);
     acceleration_.serialize(archive);
     opening_.serialize(archive);
+    const auto both = [](Peak& area, auto&& each) { each(area.value), each(area.time); };
+    archive.row("area", area_, both);
+    archive.rows("growth", growth_, [&](Growth& g, auto&& each) { both(g.before, each), both(g.now, each); });
     serialize_extremes(archive, extremes_);
     archive.whole("accepted rows", accepted_.rows, 0, rows_.size());
     archive.whole("accepted unsettled", accepted_.unsettled, 0, rows_.size());
     serialize_extremes(archive, accepted_.extremes);
+    archive.number("accepted until", accepted_.time);
 }
 
 std::vector<Channel> Observer::channels() const {

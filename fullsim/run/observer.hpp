@@ -25,6 +25,7 @@ struct HistoryRow {
     double density;                           // [kg/m^3]
     double volume, mouth_area, inflow_ratio;  // as InflowState; zero where filling is prescribed
     double stress_p90;                        // [N/m] as stress_p90(), the largest of the rows so far
+    double impulse;                           // [N s] of the force, step by step, so far
 };
 
 /// The row of canopies on one payload at one time: forces and areas add up, speeds and pressures are means,
@@ -55,14 +56,17 @@ public:
     Observer(const Mesh& mesh, double gravity, double output_rate, int sectors = 1, int payload_parts = 1);
 
     /// Largest forces from here on [s] are the opening's, those before the snatch's. At or after the time of
-    /// the last observation; 0 at first.
-    void count_peak_from(double time) { extremes_.peak_from = time; }
+    /// the last observation; 0 at first. The projected area grows anew.
+    void count_peak_from(double time) {
+        extremes_.peak_from = time;
+        growth_.clear();
+    }
     /// Another stage of the opening begins at `time` [s], that of the last observation: peak() is then its
     /// own.
     void begin_stage(double time) {
         extremes_.earlier.push_back(opening_.end());
         extremes_.peak = {};
-        extremes_.peak_from = time;
+        count_peak_from(time);
     }
 
     /// A parachute leaves its pack at `time` [s], that of the last observation: forces from here on are those
@@ -83,7 +87,7 @@ public:
     /// A row of now that others have made, its filtered columns open.
     void add_row(const HistoryRow& row);
     /// A check found everything sound so far.
-    void accept() { accepted_ = {rows_.size(), unsettled_, extremes_}; }
+    void accept() { accepted_ = {rows_.size(), unsettled_, extremes_, area_.time}; }
     /// A check found something wrong: drops what came after the last accept().
     void forget();
     /// A row of the end, whether or not one is due.
@@ -121,10 +125,11 @@ public:
     bool crosses_itself(double seconds) const;
     /// Mean of a column over the last `seconds` of the rows, trapezoidal.
     double mean(double HistoryRow::*column, double seconds) const;
-    /// [N s] of the filtered force over [from, to].
-    double impulse(double from, double to) const;
-    /// First time from `from` on at which the projected area reaches `area`; linear between rows.
-    std::optional<double> first_time_of_area(double area, double from) const;
+    /// [N s] of the force over [from, to].
+    double impulse(double from, double to) const { return impulse_until(to) - impulse_until(from); }
+    /// First time at which the projected area reaches `area` since the last stage began (a mouth that is held
+    /// together does not keep all of the canopy from that) or the peak began to count: linear within a step.
+    std::optional<double> first_time_of_area(double area) const;
 
     std::vector<Channel> channels() const;
 
@@ -133,6 +138,8 @@ public:
 
 private:
     void settle_rows();
+    void note_growth(Peak area);
+    double impulse_until(double time) const;
 
     const Mesh& mesh_;
     std::vector<MembraneLaw> laws_;
@@ -142,8 +149,14 @@ private:
     std::vector<HistoryRow> rows_;
     std::size_t unsettled_ = 0;  // first row whose filtered columns are still open
     MovingAverage force_, acceleration_;
-    IntervalPeak opening_;  // of the force, since the peak counts
-    bool sound_ = true;     // nothing has been dropped
+    Peak area_;  // projected, of the last step
+    /// The projected area is larger than ever in this stage, after the step before.
+    struct Growth {
+        Peak before, now;
+    };
+    std::vector<Growth> growth_;  // by a thousandth each; the last one by less
+    IntervalPeak opening_;        // of the force, since the peak counts
+    bool sound_ = true;           // nothing has been dropped
     struct Extremes {
         Peak peak, raw_peak, snatch_peak;
         std::vector<Peak> earlier;
@@ -155,6 +168,7 @@ private:
     struct Accepted {
         std::size_t rows = 0, unsettled = 0;
         Extremes extremes;
+        double time = 0.0;
     };
     Accepted accepted_;
 };

@@ -58,7 +58,7 @@ OpeningResult opening_of(const RunView& run, const RunStatus& status, std::optio
         result.snatch_density = run.snatch_density();
     }
     if (steady_area && !run.inflated()) {
-        result.filling_time = seen.first_time_of_area(filled_share * *steady_area, run.last_stage());
+        result.filling_time = seen.first_time_of_area(filled_share * *steady_area);
         if (result.filling_time) *result.filling_time -= found.snatch;
     }
     if (run.packed()) result.snatch_force = seen.snatch_peak().value;
@@ -151,7 +151,7 @@ void add_canopies(const RunView& run, const std::vector<HistoryRow>& all, std::s
                               fmt::format("of its riser, at t = {:.4g} s", peak.time));
         const auto steady = steady_area_of(one);
         if (!steady || one.inflated()) continue;
-        if (const auto filled = one.observer.first_time_of_area(filled_share * *steady, one.last_stage()))
+        if (const auto filled = one.observer.first_time_of_area(filled_share * *steady))
             record.add_metric(
                 head + "filling_time_s", *filled - one.findings.snatch, MetricKind::result,
                 fmt::format("projected area first at {:g} % of its steady mean", 100.0 * filled_share));
@@ -333,7 +333,7 @@ Reached reached_by(const RunView& run, bool has_filling_time) {
 std::optional<double> filled_at(const RunView& run) {
     const std::optional<double> steady = steady_area_of(run);
     if (!steady) return {};
-    return run.observer.first_time_of_area(filled_share * *steady, run.last_stage());
+    return run.observer.first_time_of_area(filled_share * *steady);
 }
 
 /// Whether two canopies were out at once.

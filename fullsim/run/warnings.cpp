@@ -131,7 +131,7 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
              "take loads for those of a canopy whose fabric still passes through itself here and there");
     if (const auto filled = record.metric("filling_time_s")) {
         const double snatch = run.findings.snatch;
-        const auto nearly = run.observer.first_time_of_area(nearly_filled * *steady_area, run.last_stage());
+        const auto nearly = run.observer.first_time_of_area(nearly_filled * *steady_area);
         if (nearly && *nearly - snatch < 0.9 * *filled)
             warn(fmt::format("{:g} % of the steady area is reached at {:.3g} s, {:g} % at {:.3g} s",
                              100.0 * nearly_filled, *nearly - snatch, 100.0 * filled_share, *filled),

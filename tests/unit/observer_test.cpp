@@ -101,6 +101,60 @@ TEST(Observer, CountsAPeakThatTheEndOfTheRunCutsOff) {
     EXPECT_GT(run.observer.peak().time, 0.049);
 }
 
+/// Steps of 1 ms to `end` [s] with a projected area and a force over time, rows at a rate.
+struct GivenGrowth {
+    static double force(double t) { return 2000.0 * (1.0 + std::sin(20.0 * t)); }
+    static double impulse(double t) { return 2000.0 * t - 100.0 * std::cos(20.0 * t); }
+
+    Mesh mesh = test::coarse_c9();
+    State state = test::state_of(mesh);
+    Observer observer;
+
+    explicit GivenGrowth(double output_rate) : observer(mesh, 9.81, output_rate) {}
+
+    template <class Area>
+    void step_to(double end, Area&& area) {
+        for (int k = 0; state.time < end; ++k) {
+            state.air.projected_area = area(state.time);
+            state.riser_force = {0.0, 0.0, force(state.time)};
+            observer.observe(state, state.riser_force);
+            if (observer.row_is_due(state.time)) observer.add_row(state);
+            state.time += 1e-3;
+        }
+    }
+};
+
+TEST(Observer, ReadsAnImpulseAndATimeOfFillingOffStepsAndNotOffRows) {
+    // The area comes to 10 m^2 between two rows, falls back for a while and creeps on.
+    const auto area = [](double t) { return t < 0.101 ? 100.0 * t : t < 0.3 ? 9.0 : 9.0 + 5.0 * (t - 0.3); };
+    for (const double rate : {20.0, 100.0, 1000.0}) {
+        GivenGrowth run(rate);
+        run.step_to(1.0, area);
+        run.observer.finish();
+        ASSERT_TRUE(run.observer.first_time_of_area(9.99));
+        EXPECT_NEAR(*run.observer.first_time_of_area(9.99), 0.0999, 1e-12) << rate;
+        EXPECT_NEAR(*run.observer.first_time_of_area(10.5), 0.6, 1e-12) << rate;
+        EXPECT_FALSE(run.observer.first_time_of_area(13.0));
+        // Trapezoids of a step and the filter of rows: 1e-5. A straight force between two rows errs at either
+        // end by its curvature times h^3 (s^3/6 - s^2/4 + s/12), s within the interval: at most 1/120.
+        const double expected = GivenGrowth::impulse(0.83) - GivenGrowth::impulse(0.22), h = 1.0 / rate;
+        EXPECT_NEAR(run.observer.impulse(0.22, 0.83), expected,
+                    1e-4 * expected + 2000.0 * 400.0 * h * h * h / 60.0)
+            << rate;
+    }
+}
+
+TEST(Observer, BeginsWithTheAreaAnewInEachStage) {
+    // It is wide before a stage begins, and half as wide when it does.
+    GivenGrowth run(200.0);
+    run.step_to(0.2, [](double) { return 10.0; });
+    run.observer.begin_stage(run.state.time);
+    run.step_to(0.5, [](double t) { return 5.0 + 20.0 * (t - 0.2); });
+    EXPECT_NEAR(*run.observer.first_time_of_area(9.0), 0.4, 1e-9);
+    run.observer.count_peak_from(run.state.time);
+    EXPECT_FALSE(run.observer.first_time_of_area(1.0));
+}
+
 TEST(CanopyShape, CountsHowOftenTheSkirtGoesAround) {
     // The canopy of a mesh, its angles about the axis times a whole number: the places of the skirt's nodes
     // then go around so often, in or against the order of the gores. Radii stay, and with them the mean

@@ -45,7 +45,7 @@ Seen see(const Scene& scene, double steady_area, March&& march) {
     if (!seen.failure.empty()) return seen;
     observer.finish();
     seen.found.opening = {observer.peak().value, observer.peak().time,
-                          observer.first_time_of_area(filled_share * steady_area, 0.0).value_or(NAN)};
+                          observer.first_time_of_area(filled_share * steady_area).value_or(NAN)};
     return seen;
 }
 
