@@ -239,8 +239,10 @@ double Simulation::residual_share(const EnergyLedger& e) {
 
 void Simulation::renew_air() {
     State& s = state_;
+    // A line that is cut and never was taut frees nothing: a canopy that has been full goes on.
+    const double filled = std::min(full_at_, inflation_.end_of(Phase::filling));
     update_air(s, scene_.environment, mesh_.payload(), constants_.system_mass,
-               air_mass_in_reference(s.added_mass, s.time - inflation_.end_of(Phase::filling), time_scale()));
+               air_mass_in_reference(s.added_mass, s.time - filled, time_scale()));
     if (s.stage == Stage::deployment) {
         s.air.extraction = extraction();
         return;
@@ -412,6 +414,7 @@ void Simulation::serialize(Archive& archive) {
                          chute.drag_area_table ? &*chute.drag_area_table : nullptr);
     for (double* x : {&ramp_start_, &ramp_time_, &ramp_energy_})
         archive.number("ramp", *x);
+    archive.number("full at", full_at_);
     steps_.serialize(archive);
     archive.whole("element steps", element_steps_, 0);
     archive.whole("first step", first_step_, 0);

@@ -267,7 +267,8 @@ private:
     bool checked_ = false;                       // by the last step,
     std::optional<RunStatus> fault_;             // which found this
     double ramp_start_ = 0.0, ramp_time_ = 0.0;  // [s]
-    double ramp_energy_ = 0.0;  // [J] of the finite elements at full stiffness, at the last step of the ramp
+    double ramp_energy_ = 0.0;   // [J] of the finite elements at full stiffness, at the last step of the ramp
+    double full_at_ = infinity;  // [s] a canopy whose filling is predicted first came to its full area
     std::size_t reefing_stage_ = 0;
     std::vector<Cable> lines_;  // elements of the suspension lines; empty after snatch
     LargestLoads sound_loads_;

@@ -13,7 +13,8 @@ public:
     /// before the payload has gone since the last look, relative to the mean of the canopy. False where that
     /// is not known to be far enough from touching, as where it is no number.
     virtual bool sleeps_on(const SelfContactState& contact, double moved_squared) const = 0;
-    /// add_forces where sleeps_on holds: of the records of nodes it reads those alone that awake_nodes marks.
+    /// add_forces where sleeps_on holds: of the records of nodes it reads those alone that
+    /// mark_awake_nodes marks.
     virtual void push_awake(State& state) const = 0;
     /// Marks nodes of pairs that may touch before the next look, and of those that these ask. marks: by node
     /// of the mesh.

@@ -58,17 +58,25 @@ TEST(Loads, ACanopyIsFullAt98PercentOfItsSteadyArea) {
     for (const bool added_mass : {true, false}) {
         if (!added_mass) scene.aerodynamics.added_mass.reset();
         const RunRecord record = test::run_full(scene);
-        EXPECT_NEAR(*record.metric("filling_time_s"), filled_at(record, 0.98), 1e-12) << added_mass;
+        // From a row to the next one, 5 ms later, a straight line is off by h^2/8 A''/A', 3e-5 s where the
+        // growth A' changes tenfold in a second.
+        EXPECT_NEAR(*record.metric("filling_time_s"), filled_at(record, 0.98), 3e-5) << added_mass;
         EXPECT_EQ(record.find_event("canopy-filled")->time, *record.metric("filling_time_s"));
         // Speed and altitude are read between two rows. At 25 ms the straight line is off by dt^2/8 of the
         // second derivative at most, 5 mm/s at 60 m/s^3; the next row alone, by up to 0.5 m/s.
         Scene rare = scene;
         rare.full.output_rate = 40;
-        const Event fine = *record.find_event("peak-force"),
-                    coarse = *test::run_full(rare).find_event("peak-force");
+        const RunRecord of_few_rows = test::run_full(rare);
+        const Event fine = *record.find_event("peak-force"), coarse = *of_few_rows.find_event("peak-force");
         EXPECT_EQ(coarse.time, fine.time);
         EXPECT_NEAR(coarse.speed, fine.speed, 0.005);
         EXPECT_NEAR(coarse.altitude, fine.altitude, 0.005);
+        // Read off steps. The steady area is a mean of rows, which a breath between them changes by 1e-5;
+        // what that does to the time is docs/theory/filling-time.md's (dt/t)/(dp/p), 1.8 at most at 98 %.
+        // Rows alone miss 1e-3 of an impulse.
+        EXPECT_NEAR(*of_few_rows.metric("filling_time_s"), *record.metric("filling_time_s"), 3e-5);
+        EXPECT_NEAR(*of_few_rows.metric("impulse_N_s"), *record.metric("impulse_N_s"),
+                    1e-5 * *record.metric("impulse_N_s"));
         // docs/theory/filling-time.md: near the prescribed 1.625 s, with and without overshoot.
         EXPECT_NEAR(*record.metric("filling_time_s"), 1.625, 0.1 * 1.625) << added_mass;
     }
