@@ -120,7 +120,7 @@ bool Simulation::has_filled() const {
 void Simulation::end_filling() {
     inflation_.filling_time = state_.time - inflation_.snatch;
     state_.inflow.has_been_full = !is_reefed() || !reefing_line_is_taut();
-    if (state_.inflow.has_been_full) full_at_ = std::min(full_at_, state_.time);
+    full_at_ = state_.inflow.has_been_full ? std::min(full_at_, state_.time) : infinity;
 }
 
 void Simulation::disreef(const Inflation& inflation, std::size_t stage) {

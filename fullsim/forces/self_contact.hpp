@@ -21,9 +21,4 @@ public:
     virtual void mark_awake_nodes(const SelfContactState& contact, std::vector<bool>& marks) const = 0;
 };
 
-/// The model of Block::self_contact, or null.
-inline const SelfContact* find_self_contact(const ForceModels& models) {
-    return dynamic_cast<const SelfContact*>(find_block(models, Block::self_contact));
-}
-
 }  // namespace twinchute::fullsim

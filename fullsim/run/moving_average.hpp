@@ -21,7 +21,7 @@ public:
     bool ready() const { return ready_; }
     double centre() const { return centre_; }  ///< [s] the time that value() belongs to
     double value() const { return value_; }
-    /// Of the signal, from its first sample to time t; as the last one since that.
+    /// Integral of the signal from its first sample to time t, the last sample held from there on.
     double integral_until(double t) const {
         if (end_ == 0) return 0.0;
         const Sample& last = at(end_ - 1);

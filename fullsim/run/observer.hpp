@@ -130,6 +130,8 @@ public:
     /// First time at which the projected area reaches `area` since the last stage began (a mouth that is held
     /// together does not keep all of the canopy from that) or the peak began to count: linear within a step.
     std::optional<double> first_time_of_area(double area) const;
+    /// [m^2] the largest projected area of a step since then.
+    double largest_area() const { return growth_.empty() ? 0.0 : growth_.back().now.value; }
 
     std::vector<Channel> channels() const;
 

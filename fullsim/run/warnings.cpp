@@ -139,9 +139,8 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
                  "compare filling times of such a canopy with a wide tolerance");
     }
     if (run.parachute().filling.is_predicted() && steady_area) {
-        const double widest =
-            std::ranges::max(run.observer.rows(), {}, &HistoryRow::projected_area).projected_area;
-        if (const double growth = std::sqrt(widest / *steady_area); growth > largest_over_inflation)
+        if (const double growth = std::sqrt(run.observer.largest_area() / *steady_area);
+            growth > largest_over_inflation)
             warn(fmt::format("the canopy over-inflates to {:.2f} of its steady radius", growth),
                  fmt::format("no test shows more than {:g}", largest_over_inflation),
                  "treat the force after full open as an upper bound");

@@ -151,6 +151,14 @@ TEST(Observer, BeginsWithTheAreaAnewInEachStage) {
     run.observer.begin_stage(run.state.time);
     run.step_to(0.5, [](double t) { return 5.0 + 20.0 * (t - 0.2); });
     EXPECT_NEAR(*run.observer.first_time_of_area(9.0), 0.4, 1e-9);
+    EXPECT_NEAR(run.observer.largest_area(), 11.0, 0.03);  // of steps of 0.02 m^2
+    // What comes after the last check is dropped with the rows where the next one finds something wrong.
+    run.observer.accept();
+    run.step_to(0.6, [](double) { return 30.0; });
+    EXPECT_TRUE(run.observer.first_time_of_area(20.0));
+    run.observer.forget();
+    EXPECT_FALSE(run.observer.first_time_of_area(20.0));
+    EXPECT_NEAR(*run.observer.first_time_of_area(9.0), 0.4, 1e-9);
     run.observer.count_peak_from(run.state.time);
     EXPECT_FALSE(run.observer.first_time_of_area(1.0));
 }

@@ -13,12 +13,12 @@
 #include "fullsim/forces/inflow.hpp"
 #include "fullsim/forces/node_loads.hpp"
 #include "fullsim/forces/registry.hpp"
-#include "fullsim/forces/self_contact.hpp"
 #include "fullsim/mesh/gores.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "fullsim/storage/gore_batched/gore_bound.hpp"
 #include "fullsim/storage/gore_batched/gore_elements.hpp"
 #include "fullsim/storage/gore_batched/gore_nodes.hpp"
+#include "fullsim/storage/gore_batched/gore_self_contact.hpp"
 #include "fullsim/storage/gore_batched/kernels.hpp"
 #include "fullsim/storage/layout.hpp"
 #include "fullsim/threads/thread_count_tuner.hpp"
@@ -40,9 +40,6 @@ Lanes as_lanes(const std::array<double, 3>& a) {
 }
 
 constexpr std::size_t elements_of_thread = 1500;
-/// Bounds on the step and balances of energy come at multiples of it. Where they come at others, too, they
-/// pay for a state of their own.
-constexpr std::int64_t steps_between_levels = 10;
 
 class GoreLayout final : public Layout {
 public:
@@ -85,10 +82,8 @@ public:
         has_.air_on_fabric = acts(Block::fabric_drag) || has_.own_loops;
         nodes_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes,
                                              what_air_does(acts(Block::canopy_pressure), has_.air_on_fabric));
-        self_contact_ = find_self_contact(structure);
-        places_stored_at_ = -1;
-        contact_on_lines_.clear();
-        clear_forces(state, has_.own_loops || self_contact_ ? 0 : first_held());
+        self_contact_.reset();
+        clear_forces(state, has_.own_loops || acts(Block::self_contact) ? 0 : first_held());
         nodes_->load(state);
         step_ = {};
         inertia_with_ = -1.0;
@@ -133,9 +128,7 @@ public:
         add_bytes(all, "lines", bytes_of(elements_.lines));
         add_bytes(all, "static line", bytes_of(elements_.cords));
         add_bytes(all, "gore contact", bytes_of(elements_.contacts));
-        const ContactNodes& meets = contact_nodes_;
-        add_bytes(all, "nodes in contact",
-                  bytes_of(meets.all) + bytes_of(meets.awake) + bytes_of(meets.looked_at));
+        if (self_contact_) add_bytes(all, "nodes in self-contact", self_contact_->bytes());
         return all;
     }
 
@@ -226,7 +219,7 @@ public:
         });
         if (self_contact_) {
             GershgorinSums of_contact = no_rows(state, bound_->weights(state));
-            self_contact_->add_row_sums(with_places(state), of_contact);
+            self_contact_->add_row_sums(state, of_contact);
             bound_->add_contact(of_contact, node_loads_at(state).mass_damping);
         }
         find_inverse_inertia(state);
@@ -279,7 +272,7 @@ public:
         step_.system_mean = to_array(node_loads_.system_mean);
         step_.halo_aero = has_.air_on_fabric;
         StepSums sums = step_sums_;
-        take_out_contact(sums);
+        if (self_contact_) take_out_contact(sums);
         for_parts([&](const GoreFrame& part) {
             nodes_->receive_halo_forces(part.first, exchanged_);
             sums_[part.first].step = kernels_.advance(part, step_);
@@ -589,62 +582,14 @@ private:
 
     // --- contact --------------------------------------------------------------------------
 
-    /// Any node may meet any triangle: that is left to the block itself, on the records of the state. It gets
-    /// those of all nodes where it looks for pairs, or somebody else is about to ask for them; otherwise of
-    /// those that may touch.
-    void prepare_self_contact(const ForceModel&) {
-        contact_nodes_.all = nodes_->own_nodes();
-        contact_nodes_.looked_at.clear();
+    void prepare_self_contact(const ForceModel& model) {
+        self_contact_ = std::make_unique<GoreSelfContact>(dynamic_cast<const SelfContact&>(model), gores_,
+                                                          *nodes_, kernels_, mesh_.payload());
     }
-    void push_folds(State& state, const ElementSums&) {
-        const SelfContactState& contact = state.contact;
-        ContactNodes& nodes = contact_nodes_;
-        const bool sleeps =
-            !nodes.looked_at.empty() && self_contact_->sleeps_on(contact, moved_squared(state));
-        const bool of_all = !sleeps || state.step % steps_between_levels == 0;
-        nodes_->store_places(state, of_all ? nodes.all : nodes.awake);
-        if (of_all) places_stored_at_ = state.step;
-        if (sleeps) {
-            self_contact_->push_awake(state);
-        } else {
-            self_contact_->add_forces(state);
-            note_look(contact);
-        }
-        nodes_->scatter_add_contact(state, nodes.awake, contact_on_lines_);
-    }
-    /// As SelfContact::sleeps_on asks.
-    double moved_squared(const State& state) const {
-        const Vec3& centre = state.sums.canopy_position;
-        double most = kernels_.farthest(nodes_->frame, contact_nodes_.looked_at.data(), to_array(centre));
-        for (const NodeIndex i : gores_.global) {
-            if (i >= mesh_.payload()) continue;
-            const Vec3 moved = to_vec3(state.node[i].x) - centre - looked_at(state.contact, i);
-            // A node that is nowhere counts.
-            if (const double squared = moved.squaredNorm(); !(squared <= most)) most = squared;
-        }
-        return most;
-    }
-    static Vec3 looked_at(const SelfContactState& contact, NodeIndex i) {
-        const std::size_t count = contact.looked_at.size() / 3;
-        const double* x = &contact.looked_at[static_cast<std::size_t>(i)];
-        return {x[0], x[count], x[2 * count]};
-    }
-    void note_look(const SelfContactState& contact) {
-        std::vector<bool> marks(static_cast<std::size_t>(mesh_.node_count()), false);
-        self_contact_->mark_awake_nodes(contact, marks);
-        contact_nodes_.awake = nodes_->own_nodes(&marks);
-        const GoreFrame& frame = nodes_->frame;
-        contact_nodes_.looked_at.resize(frame.blocks * frame.own * frame.half_stride());
-        for (const auto& [i, n, gore, at] : contact_nodes_.all) {
-            const Vec3 x = looked_at(contact, i);
-            double* to = &contact_nodes_.looked_at[frame.half_at(gore / frame.lanes, n) + gore % frame.lanes];
-            for (int c = 0; c < 3; ++c)
-                to[c * frame.lanes] = x[c];
-        }
-    }
+    void push_folds(State& state, const ElementSums&) { self_contact_->push(state); }
     /// Contact on lines is no drag: with the velocity that the kernel's node update will book it at.
     void take_out_contact(StepSums& sums) const {
-        for (const auto& [n, gore, force] : contact_on_lines_) {
+        for (const auto& [n, gore, force] : self_contact_->on_lines()) {
             const auto row = [&, n = n, gore = gore](double* array) {
                 return Lanes{nodes_->at(array, n, gore, 0), nodes_->at(array, n, gore, 1),
                              nodes_->at(array, n, gore, 2), 0.0};
@@ -664,13 +609,7 @@ private:
         }
     }
     EnergyAndStrain self_contact_levels(const State& state) const {
-        return {self_contact_->energy(with_places(state)), 0.0};
-    }
-    /// Itself where the records of its nodes are those of now.
-    const State& with_places(const State& state) const {
-        if (places_stored_at_ == state.step) return state;
-        stored_ = std::make_unique<State>(stored(state));
-        return *stored_;
+        return {self_contact_->energy(state), 0.0};
     }
 
     void prepare_contacts(const ForceModel&) { elements_.contacts = gore_contact_pairs(gores_, mesh_); }
@@ -836,14 +775,7 @@ private:
     const Row* lines_row_ = nullptr;
     SubcycledNodes global_nodes_;
     double line_damping_ = 0.0;  // [W] of lines and risers
-    const SelfContact* self_contact_ = nullptr;
-    struct ContactNodes {
-        std::vector<GoreNodes::OwnNode> all, awake;  // awake: may touch before the next look
-        std::vector<double> looked_at;               // [m] as SelfContactState's, in the order of v_half
-    } contact_nodes_;
-    std::int64_t places_stored_at_ = -1;               // step whose places the records of the state have
-    mutable std::unique_ptr<State> stored_;            // with the places of now, where they have not
-    std::vector<GoreNodes::OnLine> contact_on_lines_;  // of the step, among the forces of the air
+    std::unique_ptr<GoreSelfContact> self_contact_;
     const ForceModel *risers_ = nullptr, *static_line_ = nullptr, *tetrahedra_ = nullptr,
                      *payload_drag_ = nullptr;
 };

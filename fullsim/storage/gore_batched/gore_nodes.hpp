@@ -55,7 +55,8 @@ public:
         int gore;
         std::size_t at;  ///< offset of its first component in an array
     };
-    /// Those of the marked nodes of the mesh that are some gore's own, gore by gore; all of them by default.
+    /// Own nodes of all gores, those alone that are marked by their number in the mesh where `marks` are
+    /// given.
     std::vector<OwnNode> own_nodes(const std::vector<bool>* marks = nullptr) const;
     /// Positions and velocities of some, to a state.
     void store_places(State& state, std::span<const OwnNode> nodes) const;
