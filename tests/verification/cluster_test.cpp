@@ -155,6 +155,10 @@ TEST(Clusters, EachDescendsAsOneWithItsShareDoes) {
     ASSERT_EQ(both.status.code, StatusCode::completed) << both.status.detail;
     EXPECT_NEAR(*both.metric("descent_rate_m_s"), *alone.metric("descent_rate_m_s"),
                 0.01 * *alone.metric("descent_rate_m_s"));
+    // Both open alike, so that the sum of their areas comes to 98 % when theirs do.
+    ASSERT_TRUE(both.metric("filling_time_s"));
+    EXPECT_NEAR(*both.metric("filling_time_s"), *both.metric("canopy_1_filling_time_s"),
+                0.01 * *both.metric("canopy_1_filling_time_s"));
     // Each is as wide as one alone, but for what they press each other flat: found 3.5 %.
     EXPECT_NEAR(*both.metric("projected_diameter_ratio"), *alone.metric("projected_diameter_ratio"),
                 0.06 * *alone.metric("projected_diameter_ratio"));
