@@ -135,12 +135,12 @@ TEST(Observer, ReadsAnImpulseAndATimeOfFillingOffStepsAndNotOffRows) {
         EXPECT_NEAR(*run.observer.first_time_of_area(9.99), 0.0999, 1e-12) << rate;
         EXPECT_NEAR(*run.observer.first_time_of_area(10.5), 0.6, 1e-12) << rate;
         EXPECT_FALSE(run.observer.first_time_of_area(13.0));
-        // From a row to half an interval after one. Trapezoids of a step and the filter of rows: 1e-4. A
-        // straight force between two rows errs by its curvature times h^3 (s^3/6 - s^2/4 + s/12), s within
-        // the interval: at most 1/120; without the last term, 1/24 in the middle.
+        // From the first row to half an interval after another. Trapezoids of a step and the filter of rows:
+        // 1e-4. A straight force between two rows errs by its curvature times h^3 (s^3/6 - s^2/4 + s/12), s
+        // within the interval: at most 1/120; without the last term, 1/24 in the middle.
         const double h = 1.0 / rate, to = 0.8 + 0.5 * h,
-                     expected = GivenGrowth::impulse(to) - GivenGrowth::impulse(0.2);
-        EXPECT_NEAR(run.observer.impulse(0.2, to), expected,
+                     expected = GivenGrowth::impulse(to) - GivenGrowth::impulse(0.0);
+        EXPECT_NEAR(run.observer.impulse(0.0, to), expected,
                     1e-4 * expected + 2000.0 * 400.0 * h * h * h / 120.0)
             << rate;
     }
