@@ -55,8 +55,8 @@ constexpr auto energy_members = [](EnergyTotals& totals, auto&& each) {
 };
 
 void serialize_contact(Archive& archive, SelfContactState& contact) {
-    auto& [pairs, looked_at, searches, skin, spent, passed, deepest, listed, all, awake, attention,
-           measured] = contact;
+    auto& [pairs, looked_at, look_time, velocity_gradient, searches, skin, spent, passed, deepest, listed,
+           all, awake, attention, measured] = contact;
     static_cast<void>(all), static_cast<void>(awake), static_cast<void>(attention),
         static_cast<void>(measured);
     archive.length("near pairs", pairs, most_near_pairs);
@@ -69,6 +69,8 @@ void serialize_contact(Archive& archive, SelfContactState& contact) {
         archive.number("slack", slack);
     }
     archive.numbers("nodes at the last look", looked_at);
+    archive.number("time of the last look", look_time);
+    archive.numbers("velocity gradient", std::span(velocity_gradient.data(), 9));
     archive.whole("searches", searches, 0);
     archive.number("skin", skin);
     archive.number("spent", spent);

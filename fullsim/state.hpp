@@ -242,9 +242,13 @@ struct PairColumns {
 /// Self-contact: which nodes are near which triangles, and on which side. Nodes are searched for new pairs
 /// now and then, and more often looked at: pairs that cannot touch before the next look sleep.
 struct SelfContactState {
-    std::vector<NearPair> pairs;    ///< in the order of nodes, then triangles
-    std::vector<double> looked_at;  ///< [m] nodes at the last look, from the mean of the canopy: all x, all
-                                    ///< y, all z, filled up with the last one; empty before the first search
+    std::vector<NearPair> pairs;  ///< in the order of nodes, then triangles
+    /// Nodes at the last look: all x, all y, all z [m] from the mean of the canopy, all weights [-], filled
+    /// up with the last one; empty before the first search. A node far from all fabric may stray farther from
+    /// where it is expected, and weighs less.
+    std::vector<double> looked_at;
+    double look_time = 0.0;                                       ///< [s]
+    Eigen::Matrix3d velocity_gradient = Eigen::Matrix3d::Zero();  ///< [1/s] of the canopy at the last look
     std::int64_t searches = 0;
     double skin = 0.0;        ///< [m] more than that closer since the search, and another one is due
     double spent = 0.0;       ///< [m] of it, up to the last look

@@ -1,6 +1,7 @@
 // Self-contact: nodes of fabric and lines do not pass through triangles of fabric.
 #include "fullsim/forces/self_contact.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -25,7 +26,8 @@ constexpr double stiffness_share = 0.125;  // of the fabric's E t: stiffer costs
 constexpr double thickness_share = 0.03;   // of a triangle's edge
 constexpr double damping_share = 0.5;      // of sqrt(k m): viscosity of friction where slip is slow
 constexpr double skin_share = 0.15;        // of the mean longest edge, from one search to the next
-constexpr double reach_share = 0.15;       // of that, from one look to the next
+constexpr double reach_share = 0.12;       // of that, from one look to the next
+constexpr double flat = 1e-6;              // of the spread of nodes: across a flat sheet no motion is fitted
 constexpr double sliver = 0.3;             // area over longest edge squared, over the same without strain
 constexpr double entering = 0.02;          // window below which a node has just come over the triangle
 /// Shortening of a distance to a triangle's window per distance that nodes have moved: by the node, and by a
@@ -72,6 +74,7 @@ public:
                 join(t.node[i], t.node[(i + 1) % 3]);
         for (const Triangle& t : mesh.triangles) {
             edge_.push_back(std::sqrt(t.a * t.c));
+            thickest_ = std::max(thickest_, thickness_share * edge_.back());
             fullness_.push_back(
                 sliver * t.a * t.c /
                 longest_edge_squared({Vec3(), {Vec3::Zero(), Vec3(t.a, 0.0, 0.0), Vec3(t.b, t.c, 0.0)}}));
@@ -99,20 +102,21 @@ public:
     void add_forces(State& state) const override {
         SelfContactState& contact = state.contact;
         if (!contact.listed) list(contact);
-        const double closer = closer_since_look(state);
+        const Approach approach(*this, state);
         // Not below: once a node is nowhere, the run is lost, and its checks will say so.
-        if (contact.looked_at.empty() || !(contact.spent + closer <= contact.skin)) {
+        if (contact.looked_at.empty() || !(approach.left_of(contact.skin - contact.spent) >= 0.0)) {
             search(state);
-        } else if (closer > reach_share * contact.skin) {
-            contact.spent += closer;
+        } else if (approach.left_of(reach_share * contact.skin) < 0.0) {
+            contact.spent = contact.skin - approach.left_of(contact.skin - contact.spent);
             look(state);
         }
         push_awake(state);
     }
-    bool sleeps_on(const SelfContactState& contact, double moved_squared) const override {
-        const double closer = closing * std::sqrt(moved_squared);
-        return contact.listed && closer <= reach_share * contact.skin &&
-               contact.spent + closer <= contact.skin;
+    bool sleeps_on(const State& state, double strayed_squared) const override {
+        const SelfContactState& contact = state.contact;
+        const Approach approach(*this, state, strayed_squared);
+        return contact.listed && approach.left_of(reach_share * contact.skin) >= 0.0 &&
+               approach.left_of(contact.skin - contact.spent) >= 0.0;
     }
     void push_awake(State& state) const override {
         SelfContactState& contact = state.contact;
@@ -157,9 +161,9 @@ public:
 
     /// Counts pairs that touch, and those that are within another thickness of it.
     void add_row_sums(const State& state, GershgorinSums& sums) const override {
-        const double closer = closer_since_look(state);
+        const Approach approach(*this, state);
         for (const NearPair& pair : state.contact.pairs) {
-            if (pair.slack - closer > thickness_share * edge_of(pair.triangle)) continue;
+            if (approach.left_of(pair.slack) > thickness_share * edge_of(pair.triangle)) continue;
             const auto at = where(state, pair);
             if (!at || at->window <= 0.0) continue;
             const double thickness = std::max(pair.thickness, thickness_share * edge_of(pair.triangle));
@@ -188,9 +192,9 @@ public:
 
     double energy(const State& state) const override {
         double total = 0.0;
-        const double closer = closer_since_look(state);
+        const Approach approach(*this, state);
         for (const NearPair& pair : state.contact.pairs)
-            if (pair.slack <= closer) total += energy_of(state, pair);
+            if (approach.left_of(pair.slack) <= 0.0) total += energy_of(state, pair);
         return total;
     }
 
@@ -385,25 +389,61 @@ private:
         fill(contact.awake, contact.pairs);
     }
 
-    /// [m] by which a node and a triangle may have come closer since the last look.
-    double closer_since_look(const State& state) const {
+    /// How far a node and a triangle may have come closer since the last look: by the canopy's linear motion
+    /// in proportion to their distance, and by what nodes stray from it.
+    class Approach {
+    public:
+        Approach(const PairsOfFabric& of, const State& state)
+            : Approach(of, state, of.strayed_squared(state)) {}
+        Approach(const PairsOfFabric& of, const State& state, double strayed_squared)
+            : shrinks_((state.time - state.contact.look_time) * state.contact.velocity_gradient.norm()),
+              strays_(closing * std::sqrt(strayed_squared)),
+              thickest_(of.thickest_) {}
+
+        /// [m] at least by which they still have to come closer to touch, of `slack` [m] at the last look. No
+        /// number where a node is nowhere.
+        double left_of(double slack) const { return slack - shrinks_ * (slack + thickest_) - strays_; }
+
+    private:
+        double shrinks_;  // [-]
+        double strays_;   // [m]
+        double thickest_;
+    };
+    double strayed_squared(const State& state) const {
         const std::vector<double>& before = state.contact.looked_at;
         if (before.empty()) return 0.0;
-        const Vec3& centre = state.sums.canopy_position;
-        return closing * std::sqrt(kernels_.farthest(records_of(state), before.data(), before.size() / 3,
-                                                     static_cast<std::size_t>(mesh_.payload()) - 1,
-                                                     {centre.x(), centre.y(), centre.z()}));
+        return kernels_.farthest(records_of(state), before.data(), before.size() / 4,
+                                 static_cast<std::size_t>(mesh_.payload()) - 1, motion(state));
+    }
+    std::size_t rows_of_places() const {
+        return (static_cast<std::size_t>(mesh_.payload()) + lanes() - 1) / lanes() * lanes();
     }
     void note_places(State& state) const {
-        const auto nodes = static_cast<std::size_t>(mesh_.payload());
-        const std::size_t count = (nodes + lanes() - 1) / lanes() * lanes();
+        const std::size_t count = rows_of_places();
         std::vector<double>& at = state.contact.looked_at;
-        at.resize(3 * count);
         for (std::size_t i = 0; i < count; ++i) {
-            const Vec3 x = from_centre(state, static_cast<NodeIndex>(std::min(i, nodes - 1)));
+            const Vec3 x = from_centre(state, std::min(static_cast<NodeIndex>(i), mesh_.payload() - 1));
             for (std::size_t c = 0; c < 3; ++c)
                 at[c * count + i] = x[static_cast<Eigen::Index>(c)];
         }
+        state.contact.look_time = state.time;
+        state.contact.velocity_gradient = velocity_gradient(state);
+    }
+    /// [1/s] least squares over the nodes of the canopy.
+    Eigen::Matrix3d velocity_gradient(const State& state) const {
+        Vec3 centre = Vec3::Zero(), drift = Vec3::Zero();
+        for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i) {
+            centre += place(state, i) / mesh_.canopy_nodes;
+            drift += to_vec3(state.node[i].v) / mesh_.canopy_nodes;
+        }
+        Eigen::Matrix3d motion = Eigen::Matrix3d::Zero(), spread = motion;
+        for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i) {
+            const Vec3 x = place(state, i) - centre;
+            motion += (to_vec3(state.node[i].v) - drift) * x.transpose();
+            spread += x * x.transpose();
+        }
+        spread.diagonal().array() += flat * spread.trace();
+        return motion * spread.inverse();
     }
     static Vec3 from_centre(const State& state, NodeIndex i) {
         return place(state, i) - state.sums.canopy_position;
@@ -445,6 +485,7 @@ private:
             mean += longest[t] / static_cast<double>(longest.size());
         }
         contact.skin = skin_share * mean;
+        contact.looked_at.resize(4 * rows_of_places(), 1.0);
         std::vector<NearPair> before = std::exchange(contact.pairs, {});
         if (std::isfinite(mean)) {
             contact.pairs.reserve(before.size());
@@ -477,6 +518,7 @@ private:
             boxes[t] = {corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]) - margin,
                         corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]) + margin};
         }
+        weigh(contact, x, corners);
         const TriangleBins bins(boxes);
         auto old = before.begin();
         const auto drop_until = [&](NodeIndex node, std::int32_t triangle) {
@@ -505,16 +547,41 @@ private:
         drop_until(std::numeric_limits<NodeIndex>::max(), 0);
     }
 
+    /// Weights of nodes by their distance from all fabric. A pair with one that is farther than the skin by d
+    /// may come closer by 1 + d/skin times as much as others, `closing` M (1 + d/skin), where others stray M.
+    /// Triangles take (closing - 1) M of that, the node has the rest.
+    void weigh(SelfContactState& contact, const std::vector<Vec3>& x,
+               const std::vector<std::array<Vec3, 3>>& corners) const {
+        Box fabric{Vec3::Constant(infinity), Vec3::Constant(-infinity)};
+        for (const auto& corner : corners)
+            for (const Vec3& c : corner)
+                fabric = {fabric.low.cwiseMin(c), fabric.high.cwiseMax(c)};
+        const std::size_t count = rows_of_places();
+        for (std::size_t i = 0; i < count; ++i) {
+            const Vec3& at = x[std::min(i, x.size() - 1)];
+            const double away = (at - at.cwiseMax(fabric.low).cwiseMin(fabric.high)).norm();
+            const double d = std::max(0.0, away - contact.skin - thickest_);
+            contact.looked_at[3 * count + i] = contact.skin / (contact.skin + closing * d);
+        }
+    }
+
     const Mesh& mesh_;
     const self_contact::Kernels& kernels_ = self_contact::all_kernels().front();
-    double friction_;   // [-]
-    double stiffness_;  // [N/m]
+    double friction_;        // [-]
+    double stiffness_;       // [N/m]
+    double thickest_ = 0.0;  // [m] thickness of any triangle
     std::vector<std::vector<NodeIndex>> neighbours_;
     std::vector<double> edge_;      // [m] by triangle, unstrained
     std::vector<double> fullness_;  // [-] by triangle: a sliver has less
 };
 
 }  // namespace
+
+LinearMotion SelfContact::motion(const State& state) {
+    const SelfContactState& contact = state.contact;
+    return {state.sums.canopy_position,
+            Eigen::Matrix3d::Identity() + (state.time - contact.look_time) * contact.velocity_gradient};
+}
 
 std::unique_ptr<const ForceModel> make_self_contact(const Mesh& mesh, double friction) {
     return std::make_unique<PairsOfFabric>(mesh, friction);

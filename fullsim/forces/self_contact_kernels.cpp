@@ -9,6 +9,9 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+// A pair that pushes has more numbers than registers: a second one would go to memory and back.
+#define TWINCHUTE_INTERLEAVED 0
+#include "fullsim/storage/simd/expected_places.hpp"
 #include "fullsim/storage/simd/records.hpp"
 #include "fullsim/storage/simd/vec.hpp"
 
@@ -66,10 +69,11 @@ public:
         return {distance_between(record_, corner(0), corner(1)),
                 distance_between(record_, corner(0), corner(2)), distance_between(record_, corner(0), node_)};
     }
-    HWY_INLINE FromCorner<Vec3s> velocities() const {
-        return {distance_between(record_ + 4, corner(0), corner(1)),
-                distance_between(record_ + 4, corner(0), corner(2)),
-                distance_between(record_ + 4, corner(0), node_)};
+    /// Places and velocities.
+    HWY_INLINE FromCorner<Motion> motions() const {
+        return {HWY_NAMESPACE::between(record_, corner(0), corner(1)),
+                HWY_NAMESPACE::between(record_, corner(0), corner(2)),
+                HWY_NAMESPACE::between(record_, corner(0), node_)};
     }
     /// On the node and on the corners, of the lanes in `pushing`.
     HWY_INLINE void add_forces(double* force, const PushOfPair<Vec, Vec3s>& f, std::uint32_t pushing) const {
@@ -103,7 +107,8 @@ Pushed push(const double* record, double* force, Pairs pairs, const Law& law, st
     Vec dissipated = zero, deepest = zero;
     for (std::size_t g = 0; g < pairs.groups; ++g) {
         const Group group(record, pairs, g);
-        const FromCorner<Vec3s> x = group.places();
+        const FromCorner<Motion> m = group.motions();
+        const FromCorner<Vec3s> x{m.edge1.x, m.edge2.x, m.arm.x}, v{m.edge1.v, m.edge2.v, m.arm.v};
         const Vec longest = longest_edge_squared(x);
         Place at;
         find_place(x, at);
@@ -121,8 +126,6 @@ Pushed push(const double* record, double* force, Pairs pairs, const Law& law, st
         if (!any(pushes)) continue;
         const std::uint32_t pushing = bits_of(pushes);
         PushOfPair<Vec, Vec3s> f;
-        FromCorner<Vec3s> v{};
-        if (law.friction > 0.0) v = group.velocities();
         push_pair(law.stiffness, law.friction, group.number(slow_viscosity), at, side, overlap, v, f);
         dissipated += select(pushes, f.dissipated, zero);
         deepest = larger(select(pushes & (at.window > all(0.5)), -gap / most, zero), deepest);
@@ -154,8 +157,8 @@ void measure(const double* record, Pairs pairs, double* distance, double* gap) {
 }
 
 double farthest(const double* record, const double* before, std::size_t count, std::size_t last,
-                const std::array<double, 3>& centre) {
-    const Vec3s middle{all(centre[0]), all(centre[1]), all(centre[2])};
+                const LinearMotion& motion) {
+    const ExpectedPlaces expected(motion);
     Vec most = all(0.0), witness = most;
     for (std::size_t i = 0; i < count; i += lanes_of_all) {
         const Vec3s now = vectors_of([=](int lane) TWINCHUTE_INLINED {
@@ -163,8 +166,8 @@ double farthest(const double* record, const double* before, std::size_t count, s
         });
         const Vec3s then{load_anywhere(before + i), load_anywhere(before + count + i),
                          load_anywhere(before + 2 * count + i)};
-        const Vec3s moved = now - middle - then;
-        const Vec squared = dot(moved, moved);
+        const Vec3s strayed = load_anywhere(before + 3 * count + i) * (now - expected.of(then));
+        const Vec squared = dot(strayed, strayed);
         most = larger(squared, most);
         witness += squared;
     }

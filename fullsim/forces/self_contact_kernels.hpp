@@ -2,11 +2,12 @@
 // compiled for every instruction set, chosen when the program starts.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
+
+#include "fullsim/laws/linear_motion.hpp"
 
 namespace twinchute::fullsim::self_contact {
 
@@ -50,10 +51,11 @@ struct Kernels {
     /// For each pair at least how far the node is from the triangle over which its window is open, and from
     /// its plane on which side [m]: both zero over a sliver.
     void (*measure)(const double* record, Pairs, double* distance, double* gap);
-    /// The square of the farthest [m^2] that a node has gone from `before`, relative to `centre`. before:
-    /// all x, all y, all z of `count` nodes, as many as fill up lanes, but no node after `last` is read.
+    /// The square of the farthest [m^2] that a node is from where it is expected, times its weight. before:
+    /// all x, all y, all z, all weights of `count` nodes, as many as fill up lanes, but no node after `last`
+    /// is read.
     double (*farthest)(const double* record, const double* before, std::size_t count, std::size_t last,
-                       const std::array<double, 3>& centre);
+                       const LinearMotion&);
 };
 
 /// One for each instruction set that is compiled in and that this machine has, the best first.

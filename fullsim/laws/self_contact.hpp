@@ -24,8 +24,8 @@ struct NodeAndTriangle {
 
 using OverTriangle = HWY_NAMESPACE::PlaceOverTriangle<double, Vec3>;
 
-/// Place over a triangle, which has an area.
-inline OverTriangle over_triangle(const NodeAndTriangle& x) {
+/// Place over a triangle, which has an area. Inlined, so that callers pay for what they ask only.
+[[gnu::always_inline]] inline OverTriangle over_triangle(const NodeAndTriangle& x) {
     OverTriangle at;
     HWY_NAMESPACE::find_place(x.from_corner(), at);
     return at;

@@ -7,10 +7,11 @@ namespace {
 /// pay for a state of their own.
 constexpr std::int64_t steps_between_levels = 10;
 
-Vec3 looked_at(const SelfContactState& contact, NodeIndex i) {
-    const std::size_t count = contact.looked_at.size() / 3;
+/// x, y, z and weight.
+Eigen::Vector4d looked_at(const SelfContactState& contact, NodeIndex i) {
+    const std::size_t count = contact.looked_at.size() / 4;
     const double* x = &contact.looked_at[static_cast<std::size_t>(i)];
-    return {x[0], x[count], x[2 * count]};
+    return {x[0], x[count], x[2 * count], x[3 * count]};
 }
 
 }  // namespace
@@ -25,7 +26,7 @@ GoreSelfContact::GoreSelfContact(const SelfContact& model, const Gores& gores, c
       all_(nodes.own_nodes()) {}
 
 void GoreSelfContact::push(State& state) {
-    const bool sleeps = !looked_at_.empty() && model_.sleeps_on(state.contact, moved_squared(state));
+    const bool sleeps = !looked_at_.empty() && model_.sleeps_on(state, strayed_squared(state));
     const bool of_all = !sleeps || state.step % steps_between_levels == 0;
     nodes_.store_places(state, of_all ? all_ : awake_);
     if (of_all) stored_at_ = state.step;
@@ -47,14 +48,15 @@ double GoreSelfContact::energy(const State& state) const {
 }
 
 /// As SelfContact::sleeps_on asks.
-double GoreSelfContact::moved_squared(const State& state) const {
-    const Vec3& centre = state.sums.canopy_position;
-    double most = kernels_.farthest(nodes_.frame, looked_at_.data(), {centre.x(), centre.y(), centre.z()});
+double GoreSelfContact::strayed_squared(const State& state) const {
+    const LinearMotion motion = SelfContact::motion(state);
+    double most = kernels_.farthest(nodes_.frame, looked_at_.data(), motion);
     for (const NodeIndex i : gores_.global) {
         if (i >= payload_) continue;
-        const Vec3 moved = to_vec3(state.node[i].x) - centre - looked_at(state.contact, i);
+        const Eigen::Vector4d then = looked_at(state.contact, i);
+        const Vec3 strayed = then.w() * (to_vec3(state.node[i].x) - motion.place_of(then.head<3>()));
         // A node that is nowhere counts.
-        if (const double squared = moved.squaredNorm(); !(squared <= most)) most = squared;
+        if (const double squared = strayed.squaredNorm(); !(squared <= most)) most = squared;
     }
     return most;
 }
@@ -64,12 +66,14 @@ void GoreSelfContact::note_look(const SelfContactState& contact) {
     model_.mark_awake_nodes(contact, marks);
     awake_ = nodes_.own_nodes(&marks);
     const GoreFrame& frame = nodes_.frame;
-    looked_at_.resize(frame.blocks * frame.own * frame.half_stride());
+    const auto lanes = static_cast<std::size_t>(frame.lanes);
+    looked_at_.resize(static_cast<std::size_t>(frame.blocks) * frame.own * 4 * lanes);
     for (const auto& [i, n, gore, at] : all_) {
-        const Vec3 x = looked_at(contact, i);
-        double* to = &looked_at_[frame.half_at(gore / frame.lanes, n) + gore % frame.lanes];
-        for (int c = 0; c < 3; ++c)
-            to[c * frame.lanes] = x[c];
+        const Eigen::Vector4d then = looked_at(contact, i);
+        const std::size_t row = static_cast<std::size_t>(gore / frame.lanes) * frame.own + n;
+        double* to = &looked_at_[row * 4 * lanes + static_cast<std::size_t>(gore % frame.lanes)];
+        for (std::size_t c = 0; c < 4; ++c)
+            to[c * lanes] = then[static_cast<Eigen::Index>(c)];
     }
 }
 

@@ -28,7 +28,7 @@ public:
     std::size_t bytes() const { return bytes_of(all_) + bytes_of(awake_) + bytes_of(looked_at_); }
 
 private:
-    double moved_squared(const State& state) const;
+    double strayed_squared(const State& state) const;
     void note_look(const SelfContactState& contact);
     const State& with_places(const State& state) const;
 
@@ -38,7 +38,7 @@ private:
     const GoreKernels& kernels_;
     NodeIndex payload_;
     std::vector<GoreNodes::OwnNode> all_, awake_;  // awake: may touch before the next look
-    std::vector<double> looked_at_;                // [m] as SelfContactState's, in the order of v_half
+    std::vector<double> looked_at_;                // SelfContactState's, as GoreKernels::farthest takes it
     std::vector<GoreNodes::OnLine> on_lines_;
     std::int64_t stored_at_ = -1;            // step whose places the records of the state have
     mutable std::unique_ptr<State> stored_;  // with the places of now, where they have not

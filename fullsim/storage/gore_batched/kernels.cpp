@@ -10,6 +10,7 @@
 #include <hwy/highway.h>
 
 #include "fullsim/storage/simd/drag_table.hpp"
+#include "fullsim/storage/simd/expected_places.hpp"
 #include "fullsim/storage/simd/vec.hpp"
 
 #include "fullsim/storage/gore_batched/views.hpp"
@@ -123,15 +124,18 @@ double kinetic_energy(const GoreFrame& frame, std::span<const GoreNode> nodes, d
     return 0.5 * sum(twice);
 }
 
-double farthest(const GoreFrame& frame, const double* before, const std::array<double, 3>& centre) {
-    const Vec3s middle = SimdView::all3(centre);
+double farthest(const GoreFrame& frame, const double* before, const LinearMotion& motion) {
+    const ExpectedPlaces expected(motion);
     Vec most = all(0.0), witness = most;
     for (int b = frame.first; b < frame.last; ++b) {
         const Block block(frame, b);
-        const double* then = before + frame.half_at(b, 0);
-        for (int n = 0; n < frame.own; ++n, then += frame.half_stride()) {
-            const Vec3s moved = block.position(n) - middle - load3(then);
-            const Vec squared = block.live * dot(moved, moved);
+        const double* then = before + static_cast<std::size_t>(b) * frame.own * 4 * lanes_of_all;
+        for (int n = 0; n < frame.own; ++n, then += 4 * lanes_of_all) {
+            const Vec3s x{load_anywhere(then), load_anywhere(then + lanes_of_all),
+                          load_anywhere(then + 2 * lanes_of_all)};
+            const Vec3s strayed =
+                load_anywhere(then + 3 * lanes_of_all) * (block.position(n) - expected.of(x));
+            const Vec squared = block.live * dot(strayed, strayed);
             most = larger(squared, most);
             witness += squared;
         }

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "fullsim/elements/passes.hpp"
+#include "fullsim/laws/linear_motion.hpp"
 #include "fullsim/time/central_difference.hpp"
 
 namespace twinchute::fullsim {
@@ -156,9 +157,9 @@ struct GoreKernels {
     EnergyAndStrain (*cable_levels)(const GoreFrame&, std::span<const CableElement>);
     /// [J] of own nodes.
     double (*kinetic_energy)(const GoreFrame&, std::span<const GoreNode>, double added_mass);
-    /// The square of the farthest [m^2] that an own node has gone from `before`, relative to `centre`; NaN
-    /// where one is. before: [m] as v_half.
-    double (*farthest)(const GoreFrame&, const double* before, const std::array<double, 3>& centre);
+    /// The square of the farthest [m^2] that an own node is from where it is expected, times its weight; NaN
+    /// where one is. before: [block][own node][x, y, z, weight][lane].
+    double (*farthest)(const GoreFrame&, const double* before, const LinearMotion&);
     ElementSums (*fabric_drag)(const GoreFrame&, std::span<const MembraneElement>, const FabricDragPass&);
     ElementSums (*springs)(const GoreFrame&, std::span<const SpringElement>, const SpringPass&);
     ElementSums (*cables)(const GoreFrame&, std::span<const CableElement>);

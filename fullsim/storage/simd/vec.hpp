@@ -21,9 +21,12 @@ inline constexpr Tag tag{};
 
 /// Number of registers that are interleaved. A membrane is a long chain of operations that wait for each
 /// other; the second register works while the first one waits. It takes the 32 registers of AVX-512, or
-/// values that go to memory and back in between: who includes this says with TWINCHUTE_ALWAYS_INTERLEAVED
-/// that these are worth it.
-#if (HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86) || defined(TWINCHUTE_ALWAYS_INTERLEAVED)
+/// values that go to memory and back in between: who includes this defines TWINCHUTE_INTERLEAVED as 1 where
+/// these are worth it anyway, as 0 where a loop has so many that they are not.
+#ifndef TWINCHUTE_INTERLEAVED
+#define TWINCHUTE_INTERLEAVED (HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86)
+#endif
+#if TWINCHUTE_INTERLEAVED
 #define TWINCHUTE_WAYS two_ways
 inline namespace two_ways {
 inline constexpr int unroll_factor = 2;
