@@ -62,8 +62,9 @@ CanopyShape canopy_shape(const State& state, const Mesh& mesh, int sectors) {
 }
 
 double stress_p90(const State& state, const Mesh& mesh, std::span<const MembraneLaw> laws, double found,
-                  int sectors) {
-    if (!(state.largest.last_stress > found)) return found;
+                  int sectors, std::span<const double> strengths) {
+    const double weakest = strengths.empty() ? 1.0 : std::ranges::min(strengths);
+    if (!(state.largest.last_stress > found * weakest)) return found;
     const auto triangles =
         std::span(mesh.triangles).first(mesh.triangles.size() / static_cast<std::size_t>(sectors));
     struct Stressed {
@@ -73,7 +74,8 @@ double stress_p90(const State& state, const Mesh& mesh, std::span<const Membrane
     double whole = 0.0, stressed = 0.0;
     const std::vector<double> stresses = first_stresses(triangles, laws, state);
     for (std::size_t i = 0; i < triangles.size(); ++i) {
-        const double area = triangles[i].area(), stress = state.fe_weight * stresses[i];
+        const double of = strengths.empty() ? 1.0 : strengths[static_cast<std::size_t>(triangles[i].sheet)];
+        const double area = triangles[i].area(), stress = state.fe_weight * stresses[i] / of;
         whole += area;
         if (!(stress > found)) continue;
         above.push_back({stress, area});
@@ -89,6 +91,21 @@ double stress_p90(const State& state, const Mesh& mesh, std::span<const Membrane
     return found;
 }
 
+namespace {
+
+/// [N/m] of the sheets; none where one of them has none.
+std::vector<double> strengths_of(const Mesh& mesh) {
+    std::vector<double> strengths;
+    for (int sheet = 0; sheet < mesh.sheets(); ++sheet) {
+        const std::optional<double>& strength = mesh.fabric_of(sheet).strength;
+        if (!strength) return {};
+        strengths.push_back(*strength);
+    }
+    return strengths;
+}
+
+}  // namespace
+
 HistoryRow row_of_all(std::span<const HistoryRow> rows) {
     HistoryRow all = rows.front();
     const auto count = static_cast<double>(rows.size());
@@ -101,6 +118,7 @@ HistoryRow row_of_all(std::span<const HistoryRow> rows) {
             all.*sum += row.*sum;
         if (std::abs(row.turns - 1.0) > std::abs(all.turns - 1.0)) all.turns = row.turns;
         all.stress_p90 = std::max(all.stress_p90, row.stress_p90);
+        all.utilisation_p90 = std::max(all.utilisation_p90, row.utilisation_p90);
     }
     for (auto mean : {&HistoryRow::dynamic_pressure, &HistoryRow::pressure, &HistoryRow::airspeed,
                       &HistoryRow::seam_diameter, &HistoryRow::depth, &HistoryRow::inflow_ratio})
@@ -119,6 +137,7 @@ Observer::Observer(const Mesh& mesh, double gravity, double output_rate, int sec
       acceleration_(filter_window),
       opening_(filter_window) {
     rows_.reserve(4096);
+    if (mesh.sheets() > 1) strengths_ = strengths_of(mesh);
 }
 
 void Observer::observe(const SystemState& state, const Vec3& payload_force) {
@@ -169,6 +188,10 @@ void Observer::add_row(const State& state) {
     row.mouth_area = state.inflow.mouth;
     row.inflow_ratio = state.inflow.ratio;
     row.stress_p90 = stress_p90(state, mesh_, laws_, rows_.empty() ? 0.0 : rows_.back().stress_p90, sectors_);
+    row.utilisation_p90 = 0.0;
+    if (!strengths_.empty())
+        row.utilisation_p90 = stress_p90(
+            state, mesh_, laws_, rows_.empty() ? 0.0 : rows_.back().utilisation_p90, sectors_, strengths_);
     add_row(row);
 }
 
@@ -279,13 +302,13 @@ void Observer::serialize(Archive& archive) {
     archive.rows("rows", rows_, [](HistoryRow& row, auto&& each) {
         auto& [time, position, velocity, force, force_raw, acceleration, drag_area, dynamic_pressure,
                pressure, airspeed, projected_area, signed_area, added_mass, seam_diameter, depth, turns,
-               density, volume, mouth_area, inflow_ratio, stress_p90, impulse] = row;
+               density, volume, mouth_area, inflow_ratio, stress_p90, utilisation_p90, impulse] = row;
         each(position), each(velocity);
         for (double* x :
-             {&time,       &force,    &force_raw,      &acceleration, &drag_area,  &dynamic_pressure,
-              &pressure,   &airspeed, &projected_area, &signed_area,  &added_mass, &seam_diameter,
-              &depth,      &turns,    &density,        &volume,       &mouth_area, &inflow_ratio,
-              &stress_p90, &impulse})
+             {&time,       &force,           &force_raw,      &acceleration, &drag_area,  &dynamic_pressure,
+              &pressure,   &airspeed,        &projected_area, &signed_area,  &added_mass, &seam_diameter,
+              &depth,      &turns,           &density,        &volume,       &mouth_area, &inflow_ratio,
+              &stress_p90, &utilisation_p90, &impulse})
             each(*x);
     });
     archive.whole("unsettled", unsettled_, 0, rows_.size());

@@ -25,6 +25,7 @@ struct HistoryRow {
     double density;                           // [kg/m^3]
     double volume, mouth_area, inflow_ratio;  // as InflowState; zero where filling is prescribed
     double stress_p90;                        // [N/m] as stress_p90(), the largest of the rows so far
+    double utilisation_p90;                   // [-] likewise, over the strength of each fabric
     double impulse;                           // [N s] of the force, step by step, so far
 };
 
@@ -45,9 +46,10 @@ CanopyShape canopy_shape(const State& state, const Mesh& mesh, int sectors = 1);
 /// [N/m] 90th percentile of the first principal stress resultant (second Piola-Kirchhoff, elastic, with the
 /// weight of the finite elements) by unstrained area, or `found` where it is no larger. Unlike the largest
 /// stress, which belongs to one triangle at a seam, it settles as meshes get finer. One sector is looked at
-/// as in canopy_shape. laws: of the sheets.
+/// as in canopy_shape. laws: of the sheets. strengths [N/m]: of the sheets, where the stress over its
+/// fabric's strength [-] is wanted in place of the stress.
 double stress_p90(const State& state, const Mesh& mesh, std::span<const MembraneLaw> laws, double found,
-                  int sectors = 1);
+                  int sectors = 1, std::span<const double> strengths = {});
 
 class Observer {
 public:
@@ -145,6 +147,7 @@ private:
 
     const Mesh& mesh_;
     std::vector<MembraneLaw> laws_;
+    std::vector<double> strengths_;  // [N/m] of the sheets; none where they are one, or one has none
     int sectors_;
     double gravity_, interval_, payload_mass_;
     double next_row_ = 0.0;

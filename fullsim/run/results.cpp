@@ -257,6 +257,12 @@ void add_structure(const RunView& run, std::optional<double> steady_area, RunRec
     // Which fabric the largest stress was in is not known.
     if (!run.simulation().mesh().other_fabrics.empty()) of_sheet.fabric.strength.reset();
     add_strength_margins(record, of_sheet);
+    if (const double used = run.observer.rows().back().utilisation_p90; used > 0.0)
+        record.add_metric(
+            "membrane_strength_margin_p90", strength_margin(1.0, of_sheet.strength, used), MetricKind::result,
+            fmt::format("each panel's stress over its fabric's strength, joint efficiency {:g}, "
+                        "design factor {:g}",
+                        of_sheet.strength.joint_efficiency, of_sheet.strength.design_factor));
 }
 
 void leave_out_air_between(const Scene& scene, RunRecord& record) {

@@ -95,9 +95,11 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
              "the full model takes its mass from fabric, tapes and lines",
              "correct parachute.mass, or the materials");
     if (!run.simulation().mesh().other_fabrics.empty())
-        warn("fabric has no margin of strength",
-             "panels have fabrics of their own, and the largest stress is that of all",
-             "hold stresses of the fields (full.fields_rate) against the strength of each");
+        warn("the largest stress of the fabric has no margin of strength",
+             "panels have fabrics of their own, and it is that of all",
+             record.metric("membrane_strength_margin_p90")
+                 ? "take membrane_strength_margin_p90, which holds each against its own strength"
+                 : "give each fabric its strength: membrane_strength_margin_p90 holds each against its own");
     if (auto warning = stand_in(chute)) record.warnings.push_back(std::move(*warning));
     if (auto warning = smeared_slots(chute)) record.warnings.push_back(std::move(*warning));
     if (!run.simulation().mesh().gaps.empty()) record.warnings.push_back(open_gaps(chute));

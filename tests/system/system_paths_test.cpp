@@ -102,6 +102,19 @@ TEST_F(SystemPaths, ADashIsASceneFromStandardInput) {
     expect_refused(shell("$T campaign - < scene.toml"), "here standard input is /dev/stdin");
 }
 
+TEST_F(SystemPaths, TheEnvironmentMayAskForAnInstructionSet) {
+    const std::string full = " $T full scene.toml --quiet --set stop.time='\"0.02 s\"' --out ";
+    ASSERT_EQ(shell("TWINCHUTE_INSTRUCTION_SET=generic" + full + "generic").code, 0);
+    EXPECT_EQ(read("generic/summary.json")["provenance"]["instruction_set"], "generic, gore-batched");
+    ASSERT_EQ(shell("TWINCHUTE_INSTRUCTION_SET=" + full + "widest").code, 0);
+    EXPECT_NE(read("widest/summary.json")["provenance"]["instruction_set"], "generic, gore-batched");
+    const std::set<std::string> before = tree_of(here_.path());
+    expect_refused(shell("TWINCHUTE_INSTRUCTION_SET=AVX9" + full + "none"),
+                   "AVX9: TWINCHUTE_INSTRUCTION_SET names no instruction set of this machine (it has ");
+    expect_refused(shell("TWINCHUTE_INSTRUCTION_SET=AVX9 $T compare scene.toml --out none"), "AVX9");
+    EXPECT_EQ(tree_of(here_.path()), before);
+}
+
 TEST_F(SystemPaths, ADataDirectoryThatIsNotThereIsAnError) {
     expect_refused(shell("TWINCHUTE_DATA=nowhere $T rom scene.toml"),
                    "nowhere: TWINCHUTE_DATA names no directory");

@@ -156,6 +156,66 @@ TEST(LargestLoads, PercentileLeavesTenPercentOfTheAreaAbove) {
     EXPECT_NEAR(stress_p90(state, mesh, laws, 0.0) / found, 0.25, 1e-14);
 }
 
+// Panels of two fabrics: as stiff as each other, so that stresses are those of one.
+TEST(LargestLoads, PercentileOfUtilisationHoldsEachPanelAgainstItsOwnStrength) {
+    Scene scene = light_payload();
+    scene.parachutes.front() =
+        read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-inflation.toml",
+                   {"parachute.type='biconical'"})
+            .parachutes.front();
+    Parachute& chute = scene.parachutes.front();
+    chute.fabric.strength = 6000.0;
+    chute.panel.resize(2);
+    chute.panel[1].fabric = chute.fabric;
+    chute.panel[1].fabric.name = "another";
+    const auto flown = [&](std::optional<double> crown, std::optional<double> skirt) {
+        chute.fabric.strength = chute.panel[0].fabric.strength = crown;
+        chute.panel[1].fabric.strength = skirt;
+        return test::run_full(scene);
+    };
+    const RunRecord alike = flown(6000.0, 6000.0);
+    const double stress = *alike.metric("membrane_stress_p90_N_m");
+    ASSERT_TRUE(alike.metric("membrane_strength_margin_p90"));
+    const double margin = *alike.metric("membrane_strength_margin_p90");
+    EXPECT_NEAR(margin, strength_margin(6000.0, chute.strength, stress), 1e-12 * margin);
+    EXPECT_FALSE(alike.metric("membrane_strength_margin"));
+    // By definition, of the state: utilisations of each panel, by its triangles.
+    Simulation simulation(scene);
+    simulation.evaluate_forces();
+    State state = simulation.synchronised_state();
+    for (NodeRecord& node : state.node)
+        node.x = to_lanes(1.01 * to_vec3(node.x));
+    state.largest.last_stress = 1e9;
+    const Mesh& mesh = simulation.mesh();
+    ASSERT_EQ(mesh.sheets(), 2);
+    const std::vector<MembraneLaw> laws = membrane_laws(mesh, 0.0);
+    const std::vector<double> strengths{6000.0, 1500.0};
+    std::vector<std::pair<double, double>> utilised = stressed_areas(state, mesh);
+    for (std::size_t i = 0; i < utilised.size(); ++i)
+        utilised[i].first /= strengths[static_cast<std::size_t>(mesh.triangles[i].sheet)];
+    const double used = stress_p90(state, mesh, laws, 0.0, 1, strengths);
+    EXPECT_NEAR(used / percentile_of(utilised), 1.0, 1e-12);
+    // Where no stress can be found that uses more of the weakest, nothing is looked at.
+    state.largest.last_stress = 2.0 * used * 1500.0;
+    EXPECT_EQ(stress_p90(state, mesh, laws, 0.99 * used, 1, strengths), used);
+    state.largest.last_stress = 0.9 * used * 1500.0;
+    EXPECT_EQ(stress_p90(state, mesh, laws, 0.95 * used, 1, strengths), 0.95 * used);
+    // A weaker skirt leaves less.
+    const double less = *flown(6000.0, 1500.0).metric("membrane_strength_margin_p90");
+    EXPECT_LT(less + 1.0, 0.99 * (margin + 1.0));
+    EXPECT_GE(less + 1.0, 0.25 * (margin + 1.0));
+    // Without a strength there is none, and the warning says what is missing.
+    const RunRecord without = flown(6000.0, std::nullopt);
+    EXPECT_FALSE(without.metric("membrane_strength_margin_p90"));
+    const auto advice = [](const RunRecord& record) {
+        const auto warning = std::ranges::find(
+            record.warnings, "the largest stress of the fabric has no margin of strength", &Warning::what);
+        return warning == record.warnings.end() ? "" : warning->suggestion;
+    };
+    EXPECT_TRUE(advice(without).starts_with("give each fabric its strength")) << advice(without);
+    EXPECT_TRUE(advice(alike).starts_with("take membrane_strength_margin_p90")) << advice(alike);
+}
+
 // Blown up evenly by 1 %, each gore is stressed as the first: one sector says what the whole does.
 TEST(LargestLoads, PercentileOfOneSectorIsThatOfAllAlike) {
     const Scene scene = weighed(light_payload());

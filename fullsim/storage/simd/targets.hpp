@@ -5,6 +5,7 @@
 // clock for some milliseconds whenever a program starts.
 #pragma once
 
+#include "fullsim/storage/simd/instruction_sets.hpp"
 #include "fullsim/storage/simd/sanitized.hpp"
 
 #include <string_view>
@@ -67,14 +68,14 @@ constexpr std::string_view instruction_set_name(long long hwy_target) {
 #endif
 
 /// Collects the results of `here`, a function of the namespace of each instruction set, for those that this
-/// machine has: the widest first, last the baseline that everything is compiled for. Within
-/// twinchute::fullsim, where HWY_ONCE holds.
-#define TWINCHUTE_SETS_OF_THIS_MACHINE(Kernels, here) \
-    [] {                                              \
-        std::vector<Kernels> found;                   \
-        TWINCHUTE_WITH_AVX3(here)                     \
-        TWINCHUTE_WITH_AVX2(here)                     \
-        TWINCHUTE_WITH_SSE4(here)                     \
-        found.push_back(HWY_NAMESPACE::here());       \
-        return found;                                 \
+/// machine has and that are no wider than wanted: the widest first, last the baseline that everything is
+/// compiled for. Within twinchute::fullsim, where HWY_ONCE holds. Throws SceneError (up_to).
+#define TWINCHUTE_SETS_OF_THIS_MACHINE(Kernels, here)  \
+    [] {                                               \
+        std::vector<Kernels> found;                    \
+        TWINCHUTE_WITH_AVX3(here)                      \
+        TWINCHUTE_WITH_AVX2(here)                      \
+        TWINCHUTE_WITH_SSE4(here)                      \
+        found.push_back(HWY_NAMESPACE::here());        \
+        return up_to(wanted_instruction_set(), found); \
     }()
