@@ -216,6 +216,18 @@ TEST(LargestLoads, PercentileOfUtilisationHoldsEachPanelAgainstItsOwnStrength) {
     EXPECT_TRUE(advice(alike).starts_with("take membrane_strength_margin_p90")) << advice(alike);
 }
 
+TEST(LargestLoads, PercentilesOfSeveralCanopiesAreTheLargest) {
+    HistoryRow light{};
+    light.position = light.velocity = Vec3::Zero();
+    HistoryRow heavy = light;
+    light.stress_p90 = 300.0, light.utilisation_p90 = 0.4;
+    heavy.stress_p90 = 900.0, heavy.utilisation_p90 = 0.2;
+    for (const std::vector<HistoryRow>& rows : {std::vector{light, heavy}, std::vector{heavy, light}}) {
+        EXPECT_EQ(row_of_all(rows).stress_p90, 900.0);
+        EXPECT_EQ(row_of_all(rows).utilisation_p90, 0.4);
+    }
+}
+
 // Blown up evenly by 1 %, each gore is stressed as the first: one sector says what the whole does.
 TEST(LargestLoads, PercentileOfOneSectorIsThatOfAllAlike) {
     const Scene scene = weighed(light_payload());
