@@ -123,6 +123,19 @@ public:
         state.node[i] = {to_lanes(x), to_lanes(v)};
         state.v_half[i].value = state.node[i].v;
     }
+    /// Contact after each of `steps` in which all nodes go on evenly at the velocity [m/s] of a node and of
+    /// the place where it began.
+    void glide(int steps, double dt, const std::function<Vec3(NodeIndex, const Vec3&)>& velocity,
+               const std::function<void()>& each = {}) {
+        for (int k = 1; k <= steps; ++k) {
+            for (NodeIndex i = 0; i < mesh.payload(); ++i) {
+                const Vec3 v = velocity(i, mesh.position[i]);
+                put(i, mesh.position[i] + k * dt * v, v);
+            }
+            see_to_contact(dt);
+            if (each) each();
+        }
+    }
     /// Contact of nodes that were put somewhere `dt` [s] later.
     void see_to_contact(double dt) {
         state.time += dt;

@@ -180,17 +180,11 @@ TEST(SelfContact, SeesSheetsThatAnEvenMotionBringsTogether) {
     sheets.add(5, 5, 0.12, Vec3(0.013, 0.017, 0.05), Vec3::UnitX(), Vec3::UnitY());
     sheets.add(8, 8, 0.15, Vec3(1.5, -0.3, -0.6), Vec3::UnitY(), Vec3::UnitZ());
     sheets.finish();
-    const double dt = 1e-3, rate = 2.0;  // [1/s]
+    const double rate = 2.0;  // [1/s]
     int touches = 0;
-    for (int k = 1; k <= 490; ++k) {
-        for (NodeIndex i = 0; i < sheets.mesh.payload(); ++i) {
-            const Vec3& x = sheets.mesh.position[i];
-            const Vec3 v(0.0, 0.0, -rate * x.z());
-            sheets.put(i, x + k * dt * v, v);
-        }
-        sheets.see_to_contact(dt);
-        touches += expect_awake_where_they_touch(sheets);
-    }
+    sheets.glide(
+        490, 1e-3, [&](NodeIndex, const Vec3& x) { return Vec3(0.0, 0.0, -rate * x.z()); },
+        [&] { touches += expect_awake_where_they_touch(sheets); });
     EXPECT_GT(touches, 1000);
     EXPECT_LT(sheets.state.contact.searches, 10);
 }
@@ -199,14 +193,11 @@ TEST(SelfContact, SeesANodeThatFliesThroughFabricFromAfar) {
     // Beside which nothing moves that could call for a search.
     const std::vector<Vec3> afar{{0.27, 0.31, 1.0}};
     Sheets sheets = parted_sheets(afar);
-    const Vec3 v(0.0, 0.0, -2.0);
-    const double dt = 5e-4;
     int touches = 0;
-    for (int k = 1; k <= 1100; ++k) {
-        sheets.put(sheets.mesh.canopy_nodes, afar.front() + k * dt * v, v);
-        sheets.see_to_contact(dt);
-        touches += expect_awake_where_they_touch(sheets);
-    }
+    sheets.glide(
+        1100, 5e-4,
+        [&](NodeIndex i, const Vec3&) { return Vec3(0.0, 0.0, sheets.mesh.is_canopy(i) ? 0.0 : -2.0); },
+        [&] { touches += expect_awake_where_they_touch(sheets); });
     EXPECT_GT(touches, 5);
     EXPECT_LT(sheets.state.contact.searches, 20);
 }
@@ -216,15 +207,10 @@ TEST(SelfContact, NeitherAnEvenStretchNorANodeFarFromFabricIsSearchedFor) {
     Sheets sheets = parted_sheets(afar);
     Eigen::Matrix3d gradient;
     gradient << 1.0, 0.3, 0.0, -0.5, 0.8, 0.2, 0.1, 0.0, 0.5;  // [1/s]
-    const double dt = 1e-3;
-    for (int k = 1; k <= 50; ++k) {  // corners of the sheets go 4 cm, of a skin of 2 cm
-        for (NodeIndex i = 0; i < sheets.mesh.payload(); ++i) {
-            const Vec3& x = sheets.mesh.position[i];
-            const Vec3 v = sheets.mesh.is_canopy(i) ? Vec3(gradient * x) : Vec3(0.0, 0.0, -5.0);
-            sheets.put(i, x + k * dt * v, v);
-        }
-        sheets.see_to_contact(dt);
-    }
+    sheets.glide(50, 1e-3,
+                 [&](NodeIndex i, const Vec3& x) {  // corners of the sheets go 4 cm, of a skin of 2 cm
+                     return sheets.mesh.is_canopy(i) ? Vec3(gradient * x) : Vec3(0.0, 0.0, -5.0);
+                 });
     EXPECT_EQ(sheets.state.contact.searches, 1);
 }
 
