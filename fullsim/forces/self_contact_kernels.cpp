@@ -71,9 +71,8 @@ public:
     }
     /// Places and velocities.
     HWY_INLINE FromCorner<Motion> motions() const {
-        return {HWY_NAMESPACE::between(record_, corner(0), corner(1)),
-                HWY_NAMESPACE::between(record_, corner(0), corner(2)),
-                HWY_NAMESPACE::between(record_, corner(0), node_)};
+        return {between(record_, corner(0), corner(1)), between(record_, corner(0), corner(2)),
+                between(record_, corner(0), node_)};
     }
     /// On the node and on the corners, of the lanes in `pushing`.
     HWY_INLINE void add_forces(double* force, const PushOfPair<Vec, Vec3s>& f, std::uint32_t pushing) const {

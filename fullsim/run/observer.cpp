@@ -32,6 +32,17 @@ double turns_of(const State& state, const std::vector<NodeIndex>& ring, const Ve
     return std::round(angle / (2.0 * pi));
 }
 
+/// [N/m] of the sheets; none where one of them has none.
+std::vector<double> strengths_of(const Mesh& mesh) {
+    std::vector<double> strengths;
+    for (int sheet = 0; sheet < mesh.sheets(); ++sheet) {
+        const std::optional<double>& strength = mesh.fabric_of(sheet).strength;
+        if (!strength) return {};
+        strengths.push_back(*strength);
+    }
+    return strengths;
+}
+
 }  // namespace
 
 CanopyShape canopy_shape(const State& state, const Mesh& mesh, int sectors) {
@@ -74,8 +85,8 @@ double stress_p90(const State& state, const Mesh& mesh, std::span<const Membrane
     double whole = 0.0, stressed = 0.0;
     const std::vector<double> stresses = first_stresses(triangles, laws, state);
     for (std::size_t i = 0; i < triangles.size(); ++i) {
-        const double of = strengths.empty() ? 1.0 : strengths[static_cast<std::size_t>(triangles[i].sheet)];
-        const double area = triangles[i].area(), stress = state.fe_weight * stresses[i] / of;
+        const double unit = strengths.empty() ? 1.0 : strengths[static_cast<std::size_t>(triangles[i].sheet)];
+        const double area = triangles[i].area(), stress = state.fe_weight * stresses[i] / unit;
         whole += area;
         if (!(stress > found)) continue;
         above.push_back({stress, area});
@@ -90,21 +101,6 @@ double stress_p90(const State& state, const Mesh& mesh, std::span<const Membrane
     }
     return found;
 }
-
-namespace {
-
-/// [N/m] of the sheets; none where one of them has none.
-std::vector<double> strengths_of(const Mesh& mesh) {
-    std::vector<double> strengths;
-    for (int sheet = 0; sheet < mesh.sheets(); ++sheet) {
-        const std::optional<double>& strength = mesh.fabric_of(sheet).strength;
-        if (!strength) return {};
-        strengths.push_back(*strength);
-    }
-    return strengths;
-}
-
-}  // namespace
 
 HistoryRow row_of_all(std::span<const HistoryRow> rows) {
     HistoryRow all = rows.front();

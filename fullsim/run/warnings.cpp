@@ -96,7 +96,7 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
              "correct parachute.mass, or the materials");
     if (!run.simulation().mesh().other_fabrics.empty())
         warn("the largest stress of the fabric has no margin of strength",
-             "panels have fabrics of their own, and it is that of all",
+             "panels have fabrics of their own, and which of them it was in is not known",
              record.metric("membrane_strength_margin_p90")
                  ? "take membrane_strength_margin_p90, which holds each against its own strength"
                  : "give each fabric its strength: membrane_strength_margin_p90 holds each against its own");

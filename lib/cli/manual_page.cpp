@@ -137,7 +137,8 @@ std::string manual_page(std::span<const Command> commands) {
             ".TP\n.B TWINCHUTE_INSTRUCTION_SET\n" +
             prose(
                 "instruction set of the full model's kernels, for the same bits on processors of several "
-                "kinds: `AVX-512`, `AVX2`, `SSE4`, `NEON` or `generic`; the widest that the processor has") +
+                "kinds: `AVX-512`, `AVX2`, `SSE4`, `NEON` or `generic`; by default the widest that the "
+                "processor has") +
             ".TP\n.B NO_COLOR\n" + prose("no colour on a terminal");
     if (!commands.empty()) text += example_section(commands.front().example);
     text += ".SH SEE ALSO\n";

@@ -35,7 +35,7 @@ TEST(InstructionSets, OneThatTheMachineHasNotIsRefused) {
 }
 
 TEST(InstructionSets, KernelsAreOfTheWantedOne) {
-    // Of the widest, unless these tests run under another.
+    // The widest one is wanted unless the environment of these tests names another.
     const std::string& wanted = wanted_instruction_set();
     if (!wanted.empty()) {
         EXPECT_EQ(gore_kernels().instruction_set, wanted);

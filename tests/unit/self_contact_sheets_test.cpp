@@ -140,7 +140,8 @@ Slide slide(double friction, double angle, double v0, double time) {
 TEST(SelfContact, AStripStopsAfterTheDistanceOfItsFriction) {
     const double v0 = 2.0, mu = 0.3, g = 9.80665, distance = v0 * v0 / (2.0 * mu * g);
     const Slide s = slide(mu, 0.0, v0, 1.2 * v0 / (mu * g));
-    // What falls short of Coulomb below mu N/c, some mm/s, lengthens the way by less than a per cent.
+    // Friction below mu N/c, some mm/s, is less than Coulomb's: that lengthens the way by less than a per
+    // cent.
     EXPECT_NEAR(s.distance, distance, 0.01 * distance);
     EXPECT_LT(std::abs(s.speed), 0.01);
     EXPECT_NEAR(s.dissipated, 0.5 * s.mass * v0 * v0, 0.01 * 0.5 * s.mass * v0 * v0);
