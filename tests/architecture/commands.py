@@ -188,7 +188,10 @@ class Documentation:
         self.bootstrap, self.presets = text_of(tree, "bootstrap"), json.loads(text_of(tree, "CMakePresets.json"))
         lists = (glob.glob(os.path.join(tree, at), recursive=True) for at in ("CMakeLists.txt", "cmake/*.cmake", "tests/**/CMakeLists.txt"))
         self.cmake = "".join(text_of(file) for files in lists for file in files)
-        listed = subprocess.run([ctest, "--test-dir", build, "--show-only=json-v1"], check=True, capture_output=True, text=True)
+        with tempfile.TemporaryDirectory() as aside:  # ctest begins a log of its last run wherever it starts, even to list
+            with open(os.path.join(aside, "CTestTestfile.cmake"), "w", encoding="utf-8") as file:
+                file.write(f'subdirs("{os.path.abspath(build)}")\n')
+            listed = subprocess.run([ctest, "--test-dir", aside, "--show-only=json-v1"], check=True, capture_output=True, text=True)
         self.tests = {test["name"]: [label for entry in test["properties"] if entry["name"] == "LABELS" for label in entry["value"]]
                       for test in json.loads(listed.stdout)["tests"]}
         self.all_built = not any(name.endswith("_NOT_BUILT") for name in self.tests)  # others have no names yet

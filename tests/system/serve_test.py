@@ -28,6 +28,8 @@ TEXT = content(SCENE).decode()
 # A full run of some tenths of a second, and one that lasts until somebody ends it.
 QUICK = ["full.mesh.gore_columns=1", "full.mesh.gore_rows=4", "full.mesh.line_elements=4", "stop.time=0.25"]
 ENDLESS = ["release.height=6000", "stop.time=1000"]
+# [s] within which the server ends beside whatever else the machine does; what it ends would run for minutes.
+PROMPTLY = 10.0
 
 
 class Server:
@@ -40,7 +42,9 @@ class Server:
         with open(self.scene, "w", encoding="utf-8") as file:
             file.write(TEXT)
         words = [PROGRAM, "serve"] + ([scene] if scene else []) + list(more)
-        self.process = subprocess.Popen(words, cwd=self.directory, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.scratch = tempfile.TemporaryDirectory()  # its own: other tests put folders of the same names in the common one
+        self.process = subprocess.Popen(words, cwd=self.directory, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                        env={**os.environ, "TMPDIR": self.scratch.name})
         self.address = self.process.stdout.readline().strip()
         found = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/\?token=([0-9a-f]{32})", self.address)
         if not found:
@@ -126,6 +130,7 @@ class Server:
         if self.process.poll() is None:
             self.process.kill()
             self.process.communicate()
+        self.scratch.cleanup()
         self.place.cleanup()
 
 
@@ -635,7 +640,7 @@ class Studies(unittest.TestCase):
             if "is not in this build" in by_hand.stderr:
                 self.assertIn("is not in this build", self.refusal(server, "campaign", 422, campaign=PLAN))
                 self.skipTest("no campaigns in this build")
-            before, kept = server.files(), set(os.listdir(tempfile.gettempdir()))
+            before = server.files()
             run = self.begin(server, "campaign", campaign=text, name="plan.toml", set=["release.path_angle='80 deg'"])
             state = server.ended(run)
             self.assertEqual((state["kind"], state["state"], state["error"]), ("campaign", "done", None))
@@ -645,7 +650,7 @@ class Studies(unittest.TestCase):
             self.assertEqual(state["study"]["campaign"]["base"], "drop.toml, changed")  # by path_angle
             self.assertIn(b"overload", server.ask("GET", f"/api/runs/{run}/report")[2])
             self.assertEqual(server.files(), before)
-            self.assertEqual([name for name in set(os.listdir(tempfile.gettempdir())) - kept if name.startswith("twinchute-")], [])
+            self.assertEqual(os.listdir(server.scratch.name), [])
 
     def test_campaigns_that_are_refused(self):
         with Server() as server:
@@ -671,27 +676,27 @@ class Studies(unittest.TestCase):
         with Server() as server:
             if "is not in this build" in program("campaign", "x.toml").stderr:
                 self.skipTest("no campaigns in this build")
-            kept = set(os.listdir(tempfile.gettempdir()))
             run = self.begin(server, "campaign", campaign=PLAN.replace("2000", "100000000"))
             while not server.get(f"/api/runs/{run}")["share"]:
                 time.sleep(0.05)
+            self.assertNotEqual(os.listdir(server.scratch.name), [])
             seconds, code, out = server.end()
-            self.assertLess(seconds, 1.0)
+            self.assertLess(seconds, PROMPTLY)
             self.assertEqual((code, out), (130, "record    drop.out\n"), server.err)
             found = json.loads(content(os.path.join(server.directory, "drop.out", "campaign.json")))
             self.assertEqual(found["status"], "interrupted")
             self.assertGreater(found["runs"]["made"], 0)
             self.assertIn("report.html", os.listdir(os.path.join(server.directory, "drop.out")))
-            self.assertEqual([name for name in set(os.listdir(tempfile.gettempdir())) - kept if name.startswith("twinchute-")], [])
+            self.assertEqual(os.listdir(server.scratch.name), [])
 
 
 class Ending(unittest.TestCase):
     def test_interrupted_runs_are_saved(self):
         with Server() as server:
-            server.start("full", ENDLESS)
-            server.start("compare", ENDLESS)
+            begun = [server.start(kind, ENDLESS) for kind in ("full", "compare")]
             os.mkdir(os.path.join(server.directory, "drop.out"))  # of somebody
-            time.sleep(0.5)
+            while not all(server.get(f"/api/runs/{run}")["rows"]["time"] for run in begun):
+                time.sleep(0.05)
             idle = [socket.create_connection(("127.0.0.1", server.port)) for _ in range(20)]
             for connection in idle[:4]:
                 connection.sendall(b"POST /api/rom HTTP/1.1\r\nHost: ")
@@ -699,7 +704,7 @@ class Ending(unittest.TestCase):
             seconds, code, out = server.end()
             for connection in idle:
                 connection.close()
-            self.assertLess(seconds, 1.0)
+            self.assertLess(seconds, PROMPTLY)
             self.assertEqual(code, 130, server.err)
             self.assertEqual(out, "record    drop-2.out\nrecord    drop-3.out\n")
             for record, model in (("drop-2.out", "full"), ("drop-3.out/full", "full"), ("drop-3.out/rom", "rom")):
@@ -719,7 +724,7 @@ class Ending(unittest.TestCase):
                 begin = time.monotonic()
                 server.process.send_signal(sent)
                 out, err = server.process.communicate(timeout=30)
-                self.assertLess(time.monotonic() - begin, 1.0)
+                self.assertLess(time.monotonic() - begin, PROMPTLY)
                 self.assertEqual((server.process.returncode, out, err), (0, "", ""))
                 self.assertEqual(list(server.files()), ["drop.toml"])
 
@@ -730,7 +735,7 @@ class Ending(unittest.TestCase):
                 connection.sendall(b"GET / HT")
             begin = time.monotonic()
             self.assertEqual(server.ask("GET", "/api/scene")[0], 200)
-            self.assertLess(time.monotonic() - begin, 7.0)  # 5 s, and some for a busy machine
+            self.assertLess(time.monotonic() - begin, 5.0 + PROMPTLY)
             for connection in slow:
                 connection.close()
 
@@ -811,7 +816,7 @@ class Fuzz(unittest.TestCase):
             status, answer = server.post("/api/rom", {"text": TEXT})
             self.assertEqual(status, 200)
             seconds, code, _ = server.end()
-            self.assertLess(seconds, 1.0)
+            self.assertLess(seconds, PROMPTLY)
             self.assertIn(code, (0, 130))
 
 
