@@ -95,29 +95,16 @@ ToleranceOrigin origin_of(std::string_view name, const Names& of_command_line) {
     return of_command_line.contains(name) ? ToleranceOrigin::command_line : ToleranceOrigin::scene;
 }
 
-/// Rows of the table, then those of each of several parachutes, by the names of events, and of anything else
-/// that has a tolerance.
+/// Rows of what either may have, and of anything else that has a tolerance.
 std::vector<const MetricRow*> rows_of(const RunRecord& reference, const RunRecord& candidate,
                                       const std::map<std::string, Tolerance>& tolerances) {
-    std::vector<const MetricRow*> rows;
-    for (const MetricRow& row : metric_rows())
-        rows.push_back(&row);
-    std::vector<std::string> heads;
-    for (const RunRecord* record : {&reference, &candidate})
-        for (const Event& event : record->events)
-            if (const auto dot = event.name.find('.'); dot != std::string::npos) {
-                std::string head = metric_head(event.name.substr(0, dot));
-                if (std::ranges::find(heads, head) == heads.end()) heads.push_back(std::move(head));
-            }
-    for (const std::string& head : heads)
-        for (const MetricRow& row : metric_rows())
-            if (const MetricRow* own = find_judgeable_row(head + std::string(row.name));
-                std::ranges::find(rows, own) == rows.end())
-                rows.push_back(own);
-    for (const auto& [name, tolerance] : tolerances) {
-        const MetricRow* row = find_judgeable_row(name);
-        if (row && !row->is_history() && std::ranges::find(rows, row) == rows.end()) rows.push_back(row);
-    }
+    std::vector<const MetricRow*> rows = reference.rows_of_metrics();
+    const auto add = [&](const MetricRow* row) {
+        if (std::ranges::find(rows, row) == rows.end()) rows.push_back(row);
+    };
+    std::ranges::for_each(candidate.rows_of_metrics(), add);
+    for (const auto& [name, tolerance] : tolerances)
+        if (const MetricRow* row = find_metric_row(name)) add(row);
     return rows;
 }
 

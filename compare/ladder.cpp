@@ -40,9 +40,9 @@ std::optional<LevelMetric> metric_of(const RunRecord& record, const MetricRow& r
 
 std::vector<LevelMetric> metrics_of(const Level& level, const RunRecord& record) {
     std::vector<LevelMetric> metrics;
-    for (const MetricRow& row : metric_rows()) {
-        if (!level.metric.empty() && level.metric != row.name) continue;
-        if (auto metric = metric_of(record, row, level.key.empty() ? row.key : level.key))
+    for (const MetricRow* row : record.rows_of_metrics()) {
+        if (!level.metric.empty() && level.metric != row->name) continue;
+        if (auto metric = metric_of(record, *row, level.key.empty() ? row->key : level.key))
             metrics.push_back(std::move(*metric));
     }
     return metrics;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
+#include <vector>
 
 #include "compare/convergence.hpp"
 #include "compare/ladder.hpp"
@@ -16,6 +18,17 @@ std::optional<double> relative(double value, double reference) {
     const double distance = std::abs(value - reference) / std::abs(reference);
     if (!std::isfinite(distance)) return {};
     return distance;
+}
+
+/// Rows of the table, then those of parachutes that any level has.
+std::vector<const MetricRow*> rows_of(const Ladder& ladder) {
+    std::vector<const MetricRow*> rows;
+    for (const MetricRow& row : metric_rows())
+        rows.push_back(&row);
+    for (const LevelResult& result : ladder.levels)
+        for (const LevelMetric& metric : result.metrics)
+            if (std::ranges::find(rows, metric.row) == rows.end()) rows.push_back(metric.row);
+    return rows;
 }
 
 /// The levels of a sequence that have a metric, coarsest first; no sequence gives nothing.
@@ -178,16 +191,15 @@ void sum_up(const Ladder& ladder, LevelResult& result) {
 
 /// By default what two fidelities are judged by; where the scene ends before there is any of that, all that
 /// it has.
-void choose_judged(Ladder& ladder) {
-    const auto occurs = [&](const MetricRow& row) {
-        return std::ranges::any_of(ladder.references,
-                                   [&](const LadderReference& r) { return r.row == &row; });
+void choose_judged(Ladder& ladder, std::span<const MetricRow* const> rows) {
+    const auto occurs = [&](const MetricRow* row) {
+        return std::ranges::find(ladder.references, row, &LadderReference::row) != ladder.references.end();
     };
-    for (const MetricRow& row : metric_rows())
-        if (row.tolerance && occurs(row)) ladder.judged.push_back(row.name);
+    for (const MetricRow* row : rows)
+        if (row->tolerance && occurs(row)) ladder.judged.push_back(row->name);
     if (!ladder.judged.empty()) return;
-    for (const MetricRow& row : metric_rows())
-        if (row.show == Show::always && occurs(row)) ladder.judged.push_back(row.name);
+    for (const MetricRow* row : rows)
+        if (row->show == Show::always && occurs(row)) ladder.judged.push_back(row->name);
 }
 
 void mark_fronts(Ladder& ladder) {
@@ -208,13 +220,14 @@ void mark_fronts(Ladder& ladder) {
 }  // namespace
 
 void evaluate(Ladder& ladder, const Scene& scene) {
+    const std::vector<const MetricRow*> rows = rows_of(ladder);
     for (const std::string_view fidelity : ladder.fidelities)
-        for (const MetricRow& row : metric_rows())
-            if (auto reference = reference_of(ladder, fidelity, row, scene))
+        for (const MetricRow* row : rows)
+            if (auto reference = reference_of(ladder, fidelity, *row, scene))
                 ladder.references.push_back(std::move(*reference));
-    choose_judged(ladder);
-    for (const MetricRow& row : metric_rows())
-        add_estimates(ladder, row);
+    choose_judged(ladder, rows);
+    for (const MetricRow* row : rows)
+        add_estimates(ladder, *row);
     for (LevelResult& result : ladder.levels) {
         add_errors(ladder, result);
         add_gaps(ladder, result);

@@ -298,9 +298,15 @@ RunStatus rom_metrics(const Scene& scene, Run& run, std::span<const std::string>
 }
 
 const Fidelity& rom_fidelity() {
-    static constexpr Fidelity row{
-        "rom", "reduced-order model", &run_rom, &unsupported_keys, false,      false, &plan_rom, false,
-        true,  &rom_metrics,          &batches, &batch_metrics,    batch_lanes};
+    static constexpr Fidelity row{.name = "rom",
+                                  .title = "reduced-order model",
+                                  .run = &run_rom,
+                                  .unsupported_keys = &unsupported_keys,
+                                  .plan = &plan_rom,
+                                  .metrics = &rom_metrics,
+                                  .batches = &batches,
+                                  .metrics_of_batch = &batch_metrics,
+                                  .batch = batch_lanes};
     return row;
 }
 

@@ -110,9 +110,9 @@ void read_references(Ladder& ladder, const JsonNode& node, Words fidelities) {
         if (!of_one) continue;
         ladder.fidelities.push_back(fidelity);
         of_one->each_key([&](const std::string& key, const JsonNode& reference) {
-            const auto row = std::ranges::find(metric_rows(), key, &MetricRow::key);
-            if (row == metric_rows().end()) return;
-            ladder.references.push_back({fidelity, &*row, reference.at("value").number(),
+            const MetricRow* row = find_metric_row(split_metric_key(key).name);
+            if (row == nullptr || row->key != key) return;
+            ladder.references.push_back({fidelity, row, reference.at("value").number(),
                                          json_word(reference.at("input_or_result"), metric_kind_name),
                                          reference.text_at("how"), ""});
         });

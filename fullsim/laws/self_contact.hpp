@@ -31,11 +31,6 @@ using OverTriangle = HWY_NAMESPACE::PlaceOverTriangle<double, Vec3>;
     return at;
 }
 
-/// Velocity [m/s] at which the foot of the node slides over the material of the triangle.
-inline Vec3 slip_of(const OverTriangle& at, const NodeAndTriangle& v) {
-    return HWY_NAMESPACE::slip_over(at, v.from_corner());
-}
-
 struct SelfContactLaw {
     double stiffness;  ///< k [N/m]
     double friction;   ///< mu [-]

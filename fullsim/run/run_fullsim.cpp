@@ -113,8 +113,14 @@ RunRecord run_fullsim(const Scene& scene, Run& run) {
 }
 
 const Fidelity& full_fidelity() {
-    static constexpr Fidelity row{
-        "full", "full aeroelastic model", &run_fullsim, &unsupported_keys, true, true, &plan_full, true};
+    static constexpr Fidelity row{.name = "full",
+                                  .title = "full aeroelastic model",
+                                  .run = &run_fullsim,
+                                  .unsupported_keys = &unsupported_keys,
+                                  .gives_fields = true,
+                                  .has_threads = true,
+                                  .plan = &plan_full,
+                                  .keeps_checkpoints = true};
     return row;
 }
 

@@ -41,12 +41,11 @@ ValueAndRate porous(const AddedMassSpec& spec, double rho, ValueAndRate radius, 
 
 constexpr std::array<AddedMassModel, 3> added_masses{{
     {"hemisphere", "paper Eqs 16 and 18, k' = 0.25 (solid flat circular canopy)", hemisphere},
-    {"half-ellipsoid", "paper 3.3 and Eq. 18; at a depth ratio of 0.5 it is the hemisphere", half_ellipsoid,
-     true},
+    {"half-ellipsoid", "paper 3.3 and Eq. 18; at a depth ratio of 0.5 it is the hemisphere", half_ellipsoid},
     {"porosity",
      "k_a of a cubic in the porosity, by one transcription that lost its leading 1 (grade B): for slotted "
      "canopies, to compare with",
-     porous, true, 0.5},
+     porous, 0.5},
 }};
 
 }  // namespace

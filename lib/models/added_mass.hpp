@@ -18,7 +18,6 @@ struct AddedMassModel {
     /// apparent-mass ramp phi' [-], each with its rate per second. porosity: open over total area [-].
     ValueAndRate (*at)(const AddedMassSpec&, double rho, ValueAndRate radius, ValueAndRate ramp,
                        double porosity);
-    bool uses_depth = false;        ///< AddedMassSpec::depth_ratio
     double largest_porosity = 1.0;  ///< up to which it holds [-]
 };
 

@@ -194,11 +194,6 @@ double FillingCanopy::reefed_radius(double line_length) const {
     return root_between([&](double a) { return family_->at(a).mouth_radius - skirt; }, 0.0, full, 1e-14);
 }
 
-double FillingCanopy::initial_drag_area() const {
-    const double R = initial_radius_ * sizes_.nominal_diameter;
-    return pi * R * R * (1.0 + suction_ * initial_radius_ / steady_radius());
-}
-
 std::optional<double> FillingCanopy::critical_speed(double density) const {
     constexpr int radii = 64;
     constexpr double slowest = 0.01, fastest = 340.0;  // [m/s]

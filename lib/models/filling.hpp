@@ -88,8 +88,6 @@ public:
     double steady_radius() const { return family_->steady_radius(); }  ///< a_eq [-]
     /// [-] where a reefing line of this length [m] around the skirt is taut; a_eq of one that never is.
     double reefed_radius(double line_length) const;
-    /// [m^2] drag area at the initial radius, of tight fabric and a bulb at rest.
-    double initial_drag_area() const;
     const Filling& filling() const { return filling_; }
     const FillingSizes& sizes() const { return sizes_; }
     const IsotensoidFamily& family() const { return *family_; }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "lib/record/metrics.hpp"
+
 namespace twinchute {
 namespace {
 
@@ -119,6 +121,22 @@ const Channel* RunRecord::find_channel(std::string_view name) const {
 
 const Event* RunRecord::find_event(std::string_view name) const {
     return find_by(events, &Event::name, name);
+}
+
+std::vector<const MetricRow*> RunRecord::rows_of_metrics() const {
+    std::vector<std::string> heads{""};
+    for (const Event& event : events)
+        if (const auto dot = event.name.find('.'); dot != std::string::npos) {
+            std::string head = metric_head(event.name.substr(0, dot));
+            if (std::ranges::find(heads, head) == heads.end()) heads.push_back(std::move(head));
+        }
+    std::vector<const MetricRow*> rows;
+    for (const std::string& head : heads)
+        for (const MetricRow& row : metric_rows())
+            if (const MetricRow* own = find_metric_row(head + std::string(row.name));
+                std::ranges::find(rows, own) == rows.end())
+                rows.push_back(own);
+    return rows;
 }
 
 void RunRecord::add_metric(std::string key, double value, MetricKind kind, std::string note) {

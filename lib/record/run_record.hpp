@@ -11,6 +11,8 @@
 
 namespace twinchute {
 
+struct MetricRow;
+
 /// How a run ended. Every ending has a name; there is no silent one.
 enum class StatusCode {
     completed,         ///< the scene's stop condition was met
@@ -233,6 +235,9 @@ struct RunRecord {
     const Input* find_input(std::string_view key) const;
     const Channel* find_channel(std::string_view name) const;
     const Event* find_event(std::string_view name) const;
+    /// Numbers that it may have: rows of the table, then those of each of several parachutes, by the names of
+    /// events.
+    std::vector<const MetricRow*> rows_of_metrics() const;
 
     /// Adds a metric, or replaces the one of that key.
     void add_metric(std::string key, double value, MetricKind kind = MetricKind::result,

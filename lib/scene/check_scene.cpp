@@ -128,7 +128,7 @@ void check_size(const Scene& scene, const Complain& complain) {
                        "that is where a descent rate is found", "write stop.at = \"steady-descent\"");
 }
 
-/// Checks that one canopy flies on, open as it was left.
+/// Checks that a canopy flies on, open as it was left.
 void check_then(const Scene& scene, const Complain& complain) {
     if (scene.then.empty()) return;
     using enum Trigger::Kind;
@@ -141,9 +141,9 @@ void check_then(const Scene& scene, const Complain& complain) {
     if (scene.stop.kind == line_stretch)
         refuse("the run stops before the canopy is open", "the rest of the fall starts from an open canopy",
                "stop at \"full-open\" or \"steady-descent\"");
-    if (scene.parachutes.size() > 1 || scene.parachutes.front().cut)
-        refuse("the rest of the fall is with one canopy",
-               scene.parachutes.size() > 1 ? "the scene has several" : "parachute.cut lets it go",
+    if (std::ranges::all_of(scene.parachutes, [](const Parachute& chute) { return chute.cut.has_value(); }))
+        refuse("no canopy is left for the rest of the fall",
+               scene.parachutes.size() > 1 ? "each of the parachutes is cut" : "parachute.cut lets it go",
                "leave stop.then out and stop at \"ground\"");
 }
 

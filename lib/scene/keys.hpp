@@ -169,7 +169,4 @@ std::string keys_wrapped(const std::vector<const Key*>& keys, std::size_t width)
 /// All that the table says of a key, a line each; of `width` columns, 0: as long as they are.
 std::string key_page(const Key& key, std::size_t width);
 
-/// All keys as Markdown tables, one a table of the scene.
-std::string keys_markdown();
-
 }  // namespace twinchute

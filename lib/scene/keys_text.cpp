@@ -33,12 +33,6 @@ std::array<std::string, 6> cells(const Key& key) {
 
 constexpr std::array<std::string_view, 6> heads{"key", "unit", "default", "range", "used by", "meaning"};
 
-/// The table of the scene that a key stands in: "payload", "" for the top.
-std::string_view section(std::string_view path) {
-    const auto dot = path.find('.');
-    return dot == std::string_view::npos ? std::string_view{} : path.substr(0, dot);
-}
-
 std::vector<const Key*> all_keys() {
     std::vector<const Key*> keys;
     for (const auto table : {scene_keys(), material_keys()})
@@ -73,12 +67,6 @@ std::string wrapped(std::string_view text, std::size_t width, std::size_t indent
 
 double in_degrees(double radians) {
     return radians * 180.0 / pi;
-}
-
-std::string escaped(std::string text) {
-    for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2)
-        text.insert(at, "\\");
-    return text;
 }
 
 }  // namespace
@@ -198,29 +186,6 @@ std::string key_page(const Key& key, std::size_t width) {
     std::string text = std::string(key.path) + "\n";
     for (const auto& [name, value] : lines)
         if (!value.empty()) text += wrapped(fmt::format("    {:<12}{}", name, value), width, 16);
-    return text;
-}
-
-std::string keys_markdown() {
-    std::string text, current = "none yet";
-    for (const Key* key : all_keys()) {
-        if (section(key->path) != current && !(section(key->path).empty() && key->kind == KeyKind::table)) {
-            current = section(key->path);
-            const bool material = current == "fabric" || current == "cord";
-            const std::string head = current.empty() ? "Top of the file"
-                                     : material      ? fmt::format("`materials/*.toml`, kind `{}`", current)
-                                     : current == "parachute" ? "`[[parachute]]`"
-                                                              : fmt::format("`[{}]`", current);
-            text += fmt::format("{}### {}\n\n", text.empty() ? "" : "\n", head);
-            text += "| key | unit | default | range | used by | meaning | source |\n";
-            text += "| --- | --- | --- | --- | --- | --- | --- |\n";
-        }
-        const auto row = cells(*key);
-        text += fmt::format("| `{}` ", row[0]);
-        for (std::size_t i = 1; i < row.size(); ++i)
-            text += fmt::format("| {} ", escaped(row[i]));
-        text += fmt::format("| {} |\n", escaped(std::string(key->source)));
-    }
     return text;
 }
 

@@ -79,7 +79,6 @@ struct Fidelity {
     /// Plan of a run: what the scene would need and cost; may be null. Throws SceneError.
     Plan (*plan)(const Scene&, const PlanBasis&) = nullptr;
     bool keeps_checkpoints = false;  ///< its runs may be long: it saves states, and goes on from them
-    bool gives_samples = false;      ///< it takes Run::samples
     /// Metrics of a run by their keys in a record, NaN where it has none, and how it ended: those of run(),
     /// for who makes very many. Null: run() alone has them.
     RunStatus (*metrics)(const Scene&, Run&, std::span<const std::string> keys,

@@ -109,11 +109,34 @@ void join_metrics(RunRecord& first, const Scene& scene, const RunRecord& rest) {
                       [](const Warning& warning) { return warning.what == not_steady_within_run; });
 }
 
-/// The event after which a canopy is open and stays so: one that over-inflates has settled once the descent
-/// is steady.
-const char* settling_event(const Scene& scene) {
-    const auto& growth = scene.parachutes.front().drag_area_table;
-    return growth && growth->end() > 1.0 ? "steady-descent" : "full-open";
+/// Of one of several parachutes, it has the parachute's name.
+bool has_event(const RunRecord& record, const Scene& scene, const Parachute& chute, std::string_view name) {
+    const bool one = scene.parachutes.size() == 1;
+    return record.find_event(one ? std::string(name) : fmt::format("{}.{}", chute.name, name)) != nullptr;
+}
+
+struct Obstacle {
+    std::string why, hint;
+};
+
+/// What keeps the canopies of a record's end from flying on as they are.
+std::optional<Obstacle> obstacle_to(const Scene& scene, const RunRecord& record) {
+    for (const Parachute& chute : scene.parachutes) {
+        if (has_event(record, scene, chute, "cut")) continue;
+        const std::string who = scene.parachutes.size() == 1 ? "the canopy" : chute.name;
+        // A canopy that over-inflates has settled once the descent is steady.
+        const bool settles = chute.drag_area_table && chute.drag_area_table->end() > 1.0;
+        const bool is_open = has_event(record, scene, chute, "full-open");
+        if (!is_open || (settles && !record.find_event("steady-descent")))
+            return Obstacle{
+                fmt::format("the run stopped before {} {}", who,
+                            is_open ? "had settled from over-inflating" : "was open"),
+                fmt::format("stop later, e.g. at = \"{}\"", settles ? "steady-descent" : "full-open")};
+        if (chute.cut)
+            return Obstacle{fmt::format("{} is still to be cut", who),
+                            "stop after that, or leave stop.then out and stop at \"ground\""};
+    }
+    return {};
 }
 
 void add_cost(Cost& cost, const Cost& more) {
@@ -141,13 +164,16 @@ Scene continued_from(const Scene& scene, const RunRecord& record) {
     rest.release.speed = std::hypot(across, climb);
     rest.release.path_angle = rest.release.speed > 0.0 ? std::atan2(-climb, across) : 0.5 * pi;
     rest.release.heading = std::atan2(east, north);
-    Parachute& chute = rest.parachutes.front();
-    chute.deploy = {};
-    chute.deploy.by = DeployBy::inflated;
-    chute.deploy_when.reset();
-    chute.reefing.clear();
-    chute.lag.clear();
-    chute.skips_reefing = 0;
+    std::erase_if(rest.parachutes,
+                  [&](const Parachute& chute) { return has_event(record, scene, chute, "cut"); });
+    for (Parachute& chute : rest.parachutes) {
+        chute.deploy = {};
+        chute.deploy.by = DeployBy::inflated;
+        chute.deploy_when.reset();
+        chute.reefing.clear();
+        chute.lag.clear();
+        chute.skips_reefing = 0;
+    }
     return rest;
 }
 
@@ -179,12 +205,9 @@ RunRecord run_scene(const Fidelity& fidelity, const Scene& scene, Run& run,
     if (scene.then.empty() || record.status.code != StatusCode::completed) return record;
     const auto then = std::ranges::find_if(others, [&](const Fidelity* f) { return f->name == scene.then; });
     if (then == others.end()) return record;
-    if (const char* settled = settling_event(scene); !record.find_event(settled)) {
-        const bool is_open = record.find_event("full-open") != nullptr;
-        record.warnings.push_back({fmt::format("the fall was not handed over to {}", scene.then),
-                                   fmt::format("the run stopped before the canopy {}",
-                                               is_open ? "had settled from over-inflating" : "was open"),
-                                   fmt::format("stop later, e.g. at = \"{}\"", settled)});
+    if (const auto obstacle = obstacle_to(scene, record)) {
+        record.warnings.push_back(
+            {fmt::format("the fall was not handed over to {}", scene.then), obstacle->why, obstacle->hint});
         return record;
     }
     Run rest{run.stop, run.progress};

@@ -1,4 +1,4 @@
-// The rest of a fall: where one fidelity has stopped with the canopy open, another one flies on to the
+// The rest of a fall: where one fidelity has stopped with its canopies open, another one flies on to the
 // ground.
 #pragma once
 
@@ -11,8 +11,9 @@ namespace twinchute {
 /// For plans of a scene that asks for it.
 std::string then_text(const Scene& scene);
 
-/// The scene as it goes on from the last row of a record: the canopy open, place and velocity of the payload
-/// as they are there, on to the ground. It begins at time 0 above the place of that row.
+/// The scene as it goes on from the last row of a record: canopies that have not been cut open, place and
+/// velocity of the payload as they are there, on to the ground. It begins at time 0 above the place of that
+/// row.
 Scene continued_from(const Scene& scene, const RunRecord& record);
 
 /// One record of a run and of what came after its last row by a run of continued_from. Channels of `first` go
@@ -21,8 +22,8 @@ Scene continued_from(const Scene& scene, const RunRecord& record);
 RunRecord joined(RunRecord first, const Scene& scene, const RunRecord& rest);
 
 /// Runs a scene, and by that one of `others` which Scene::then names the rest of the fall. A run that has not
-/// met its stop condition, or has met it before the canopy was open, is not handed over; the latter says so
-/// in a warning.
+/// met its stop condition, or has met it before every canopy was open or cut for good, is not handed over;
+/// the latter says so in a warning.
 RunRecord run_scene(const Fidelity& fidelity, const Scene& scene, Run& run,
                     std::span<const Fidelity* const> others);
 

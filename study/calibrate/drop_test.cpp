@@ -196,10 +196,6 @@ DropTest read_record_as_test(const fs::path& directory, const Scene& scene) {
 
 }  // namespace
 
-std::span<const HistoryKind> history_kinds() {
-    return kinds;
-}
-
 const HistoryKind* find_history_kind(std::string_view name) {
     const auto found = std::ranges::find(kinds, name, &HistoryKind::name);
     return found == kinds.end() ? nullptr : &*found;

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,7 +22,6 @@ struct HistoryKind {
     std::string_view title;
     bool is_load;  ///< a wrong scale of its sensor can be told from the rest
 };
-std::span<const HistoryKind> history_kinds();
 const HistoryKind* find_history_kind(std::string_view name);
 
 struct MeasuredHistory {

@@ -169,10 +169,6 @@ double Pairs::correlation() const {
     return mixed_squares(*this, x.mean, y.mean) / std::sqrt(x.squares * y.squares);
 }
 
-Moments Pairs::dear_moments() const {
-    return moments_of(dear);
-}
-
 bool MultiFidelity::meets_limits() const {
     return std::ranges::all_of(answers, [](const PairedAnswer& a) {
         return a.verdict == Verdict::open || a.verdict == Verdict::met;

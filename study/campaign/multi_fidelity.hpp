@@ -18,7 +18,6 @@ struct Pairs {
 
     std::size_t count() const { return cheap.size(); }
     double correlation() const;
-    Moments dear_moments() const;
 };
 
 /// An answer of the dear model.

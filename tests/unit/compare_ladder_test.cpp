@@ -85,6 +85,29 @@ TEST(CompareLadder, AnErrorIsHeldAgainstTheSamePhysicsAndNothingElse) {
     EXPECT_EQ(ladder.gap->metric, "peak_force");
 }
 
+TEST(CompareLadder, EachOfSeveralParachutesIsJudged) {
+    // Three times as wrong, and 100 N where the dear model says 72 N: worse than of all together.
+    const RunOne with_drogue = [](const Fidelity& fidelity, const Scene& scene) {
+        RunRecord record = synthetic(fidelity, scene);
+        const bool quick = fidelity.name == "rom";
+        record.events.push_back({"Pilot-1.full-open", 1.0, 0.0, 0.0});
+        record.add_metric("pilot_1_peak_force_N", quick ? 100.0 * (1.0 + 3.0 * scene.rom.rtol) : 72.0);
+        record.add_metric("other_peak_force_N",
+                          1.0 + (quick ? 1e3 * scene.rom.rtol : 0.0));  // no parachute's
+        return record;
+    };
+    const Ladder ladder = synthetic_ladder({}, test::c9_scene(), with_drogue);
+    EXPECT_EQ(ladder.judged,
+              (std::vector<std::string_view>{"filling_time", "peak_force", "pilot_1_peak_force"}));
+    const LevelResult& r = level(ladder, "rom, rtol 1e-6");
+    // Of 1 + 3e-6 and 1 + 3e-13, rounded to 1e-16.
+    EXPECT_NEAR(r.error.value().value, 3e-6, 1e-12);
+    EXPECT_EQ(r.error.value().metric, "pilot_1_peak_force");
+    EXPECT_EQ(r.estimate.value().metric, "pilot_1_peak_force");
+    EXPECT_EQ(ladder.gap.value().metric, "pilot_1_peak_force");
+    EXPECT_NEAR(ladder.gap.value().value, 100.0 / 72.0 - 1.0, 1e-12);
+}
+
 TEST(CompareLadder, TheReferenceSaysHowItCameAbout) {
     const Ladder ladder = synthetic_ladder();
     for (const LadderReference& reference : ladder.references) {

@@ -21,11 +21,14 @@ using nlohmann::ordered_json;
 
 constexpr std::array<std::string_view, 2> names{"rom", "full"};
 
-/// With a test, failed levels, a level that was not run, and names that mean something to HTML.
+/// With a test, failed levels, a level that was not run, a parachute of several, and names that mean
+/// something to HTML.
 Ladder ladder_of_everything() {
     int runs = 0;
     const RunOne fragile = [&](const Fidelity& fidelity, const Scene& scene) {
         RunRecord record = synthetic(fidelity, scene);
+        record.events.push_back({"main.full-open", 2.0, 0.0, 0.0});
+        record.add_metric("main_filling_time_s", 1.0 + 2.0 * scene.rom.rtol);
         if (++runs == 7) record.status = {StatusCode::strain_limit, "fabric <b>broke</b>"};
         if (fidelity.name == "full" && scene.full.time_step_factor < 0.3)
             record.status = {StatusCode::interrupted, ""};
@@ -85,6 +88,8 @@ TEST(CompareReadLadder, SaysWhatWasWritten) {
     EXPECT_EQ(exit_code(read), ExitCode::interrupted);
     ASSERT_EQ(read.inputs.size(), 2u);
     EXPECT_EQ(std::get<double>(read.inputs[0].value), 152.4);
+    EXPECT_EQ(read.judged, wrote.judged);
+    EXPECT_EQ(read.judged.back(), "main_filling_time");
     EXPECT_EQ(read.quick, wrote.quick);
     EXPECT_EQ(read.threads, wrote.threads);
 }

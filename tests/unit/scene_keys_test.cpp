@@ -94,21 +94,6 @@ TEST(Keys, TableHasALineForEach) {
     EXPECT_FALSE(std::getline(lines, line));
 }
 
-TEST(Keys, MarkdownHasARowForEach) {
-    const std::string text = keys_markdown();
-    for (const Key& key : all_keys())
-        EXPECT_NE(text.find("\n| `" + std::string(key.path) + "` |"), std::string::npos) << key.path;
-    // A pipe inside a cell would start another column: seven columns have eight of them.
-    std::istringstream lines(text);
-    for (std::string line; std::getline(lines, line);) {
-        if (!line.starts_with("| `")) continue;
-        int pipes = 0;
-        for (std::size_t i = 0; i < line.size(); ++i)
-            pipes += line[i] == '|' && line[i - (i > 0)] != '\\';
-        EXPECT_EQ(pipes, 8) << line;
-    }
-}
-
 TEST(Keys, TextsOfARow) {
     EXPECT_EQ(default_text(*find_key(scene_keys(), "payload.mass")), "required");
     EXPECT_EQ(default_text(*find_key(scene_keys(), "payload.drag_area")), "left out");

@@ -34,8 +34,9 @@ TEST(HandOver, FromTheReducedOrderModelToItselfChangesNothing) {
     // integrations, set to 1e-8 each, a hundred times that is allowed; and of the velocity across, which is
     // found from the last five places: rows 25 ms apart and a speed that settles in 0.4 s leave 1e-4 m/s,
     // which are gone after 0.4 s: 1e-4 m is allowed. Steady and just open; in wind that turns with height, in
-    // a wind across, straight down, and reefed.
-    for (const char* file : {"c9-drift.toml", "c9-crosswind.toml", "c9-inflation.toml", "c9-reefed.toml"})
+    // a wind across, straight down, reefed, after a drogue that is cut, and with one that stays.
+    for (const char* file : {"c9-drift.toml", "c9-crosswind.toml", "c9-inflation.toml", "c9-reefed.toml",
+                             "c9-drogue.toml", "rocket-dual-deploy.toml"})
         for (const char* stop : {"stop.at='steady-descent'", "stop.at='full-open'"}) {
             SCOPED_TRACE(std::string(file) + ", " + stop);
             const std::string tight = "rom.rtol=1e-8";
@@ -170,6 +171,22 @@ TEST(HandOver, OfACanopyThatOverInflatesWaitsUntilItHasSettled) {
                 1e-6 * *whole.metric("flight_time_s"));
 }
 
+TEST(HandOver, IsNotMadeWhileAParachuteHasYetToOpenOrToBeCut) {
+    const auto why_not = [](const std::vector<std::string>& more) {
+        std::vector<std::string> all = more;
+        all.emplace_back("stop.then='rom'");
+        const RunRecord record = fly(rom::rom_fidelity(), "c9-drogue.toml", all);
+        EXPECT_FALSE(record.handed_over);
+        for (const Warning& warning : record.warnings)
+            if (warning.what == "the fall was not handed over to rom") return warning.why;
+        return std::string("no warning");
+    };
+    // The drogue comes out at 0.5 s and is cut at 4 s, when the main leaves its pack.
+    EXPECT_EQ(why_not({"stop.time=0.55"}), "the run stopped before drogue was open");
+    EXPECT_EQ(why_not({"stop.time=3"}), "drogue is still to be cut");
+    EXPECT_EQ(why_not({"stop.time=4.2"}), "the run stopped before main was open");
+}
+
 TEST(HandOver, KeepsARunThatDidNotStopAsItIs) {
     std::stop_source stop;
     stop.request_stop();
@@ -183,9 +200,10 @@ TEST(HandOver, KeepsARunThatDidNotStopAsItIs) {
 }
 
 TEST(HandOver, IsRefusedWhereNothingCouldBeHandedOver) {
-    const auto why_not = [](const std::vector<std::string>& more) {
+    const auto why_not = [](const std::vector<std::string>& more,
+                            const std::string& file = "c9-inflation.toml") {
         try {
-            read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-inflation.toml", more);
+            read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/" + file, more);
         } catch (const std::exception& error) {
             return std::string(error.what());
         }
@@ -200,6 +218,10 @@ TEST(HandOver, IsRefusedWhereNothingCouldBeHandedOver) {
               std::string::npos);
     EXPECT_NE(why_not({"stop.then='rom'", "parachute.cut={time='3 s'}"}).find("parachute.cut lets it go"),
               std::string::npos);
+    EXPECT_NE(why_not({"stop.then='rom'", "parachute.main.cut={time='20 s'}"}, "c9-drogue.toml")
+                  .find("each of the parachutes is cut"),
+              std::string::npos);
+    EXPECT_EQ(why_not({"stop.then='rom'"}, "c9-drogue.toml"), "");
 }
 
 }  // namespace
