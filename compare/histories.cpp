@@ -9,6 +9,8 @@
 namespace twinchute::compare {
 namespace {
 
+constexpr double nothing_yet = 0.01;  // of the largest value: nothing to take a ratio to
+
 /// Value on segment i, between its points i and i + 1.
 double on_segment(const Curve& curve, std::size_t i, double time) {
     const double a = curve.time[i], b = curve.time[i + 1];
@@ -131,6 +133,9 @@ std::optional<PhaseScore> score(const Curve& reference, const Curve& candidate, 
     const Curve one = cut(reference, from, to), other = cut(candidate, from, to),
                 apart = difference(candidate, reference, from, to);
     const double largest = infinity_norm(one), norm = l2_norm(one);
+    if (phase == HistoryPhase::deployment &&
+        norm < nothing_yet * infinity_norm(reference) * std::sqrt(to - from))
+        return {};
     PhaseScore result{parachute, phase, from, to, 0.0, 0.0, 0.0};
     result.maximum = (infinity_norm(other) - largest) / largest;
     result.l2 = l2_norm(apart) / norm;

@@ -64,7 +64,9 @@ std::optional<Curve> curve_of(const RunRecord& record, std::string_view channel)
 
 /// One score a phase of which both records have some time, in order, aligned at snatch: where the same
 /// several parachutes come out in both, each at its own. Empty when a record lacks the channel, holds a value
-/// that is not finite, or the reference is zero throughout.
+/// that is not finite, or the reference is zero throughout. Deployment has none where the root mean
+/// square of the reference is below a hundredth of its largest value: a ratio to what is not out yet says
+/// nothing.
 std::vector<PhaseScore> score_history(const RunRecord& reference, const RunRecord& candidate,
                                       const MetricRow& row);
 

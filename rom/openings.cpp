@@ -70,7 +70,11 @@ void Openings::note_snatch(const OpeningEvent& what, const FlightState& now) {
     const Parachute& chute = scene_.parachutes[what.index];
     const bool packed = chute.deploy.starts_packed();
     snatches_ = false;
-    if (!packed && !result.parachutes.empty()) close();
+    if (!packed && !result.parachutes.empty()) {
+        close();
+        ParachuteResult& before = result.parachutes.back();
+        if (before.snatch_time == now.time && !before.stages.empty()) before.stages.back().peak_force.reset();
+    }
     result.parachutes.push_back({what.index, now.time, now.airspeed, {}, {}});
     if (!packed) result.parachutes.back().stages.push_back({now.time});
     if (chute.deploy.by == DeployBy::inflated) return;
@@ -128,7 +132,9 @@ void Openings::note_forces(const OpeningEvent& what, const FlightState& now) {
 
 void Openings::note_event(const OpeningEvent& what, double time) {
     const Deployment& deploy = scene_.parachutes[what.index].deploy;
-    if (deploy.by == DeployBy::inflated && what.kind != OpeningEvent::Kind::cut) return;
+    const bool comes_out_open = deploy.by == DeployBy::inflated;
+    if (comes_out_open && what.kind != OpeningEvent::Kind::full_open && what.kind != OpeningEvent::Kind::cut)
+        return;
     switch (what.kind) {
         case OpeningEvent::Kind::snatch:
             context_.add_event(what.index, deploy.starts_packed() ? "snatch" : "line-stretch");

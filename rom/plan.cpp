@@ -109,7 +109,7 @@ std::vector<PlanPart> parts_of(const Scene& scene) {
     parts.add(event, "end-of-initial-phase", "the drag area begins to rise",
               !inflated && (initial.transit || initial.seconds > 0.0),
               inflated ? start : "by parachute.initial_phase");
-    parts.add(event, "full-open", "the drag area is full", !inflated, start);
+    parts.add(event, "full-open", "the drag area is full", true, every_run);
     parts.add(event, "peak-force", "the opening force is largest", true, every_run);
     parts.add(event, "steady-descent", "the speed no longer changes", true, stop);
     parts.add(event, "ground", "the payload lands", true, stop);

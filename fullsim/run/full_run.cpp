@@ -452,6 +452,8 @@ void FullRun::leave_pack(std::size_t parachute) {
                     cluster_[k].inflation(), stages_->flight_state(cluster_.payload()).airspeed))
                 return end(refused->code, refused->detail);
         }
+    } else {
+        add_event(parachute, "full-open");
     }
     opens(joined);
 }

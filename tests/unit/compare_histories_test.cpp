@@ -150,6 +150,22 @@ TEST(CompareHistories, PhasesAreScoredApart) {
     EXPECT_NEAR(*judged_score(phases), 0.1, round_off);           // deployment is not judged
 }
 
+TEST(CompareHistories, DeploymentIsScoredOnlyWhereTheReferenceHasSomething) {
+    const auto phases_at = [](double before, double filling) {
+        const Curve reference{{0, 1, 1, 3, 3, 5}, {before, before, filling, filling, 2, 2}};
+        const Curve other = sampled(0, 5, 5, [](double) { return 1.0; });
+        std::vector<HistoryPhase> phases;
+        for (const PhaseScore& score :
+             score_history(with_history(reference, 1, 3), with_history(other, 1, 3), force_row()))
+            phases.push_back(score.phase);
+        return phases;
+    };
+    using enum HistoryPhase;
+    EXPECT_EQ(phases_at(0.021, 2), (std::vector{deployment, inflation, descent}));
+    EXPECT_EQ(phases_at(0.019, 2), (std::vector{inflation, descent}));      // below a hundredth of 2
+    EXPECT_EQ(phases_at(-0.019, 1e-3), (std::vector{inflation, descent}));  // what is judged is always scored
+}
+
 /// A drogue from 1 s on, full at 2, cut at 4; a main that leaves its pack at `leaves`, snatches at `snatch`
 /// and is full 2 s later. The drogue pulls with 10, the main with 1 while it is drawn out and with `pull`
 /// from then on.

@@ -171,6 +171,50 @@ TEST(HandOver, OfACanopyThatOverInflatesWaitsUntilItHasSettled) {
                 1e-6 * *whole.metric("flight_time_s"));
 }
 
+TEST(HandOver, TakesCanopiesThatCameOutOpen) {
+    // Full as soon as they are out: the main at release, the drogue 2 s later, the only one of all at
+    // release.
+    Scene two = read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-drogue.toml",
+                           {"release.altitude=100", "release.speed=8", "release.path_angle='90 deg'",
+                            "full.mesh={gore_rows=4,gore_columns=1,line_elements=3}"});
+    for (Parachute& chute : two.parachutes) {
+        chute.deploy = {};
+        chute.deploy.by = DeployBy::inflated;
+        chute.deploy_when.reset();
+        chute.cut.reset();
+    }
+    two.parachutes[0].deploy_when = Trigger{Trigger::Kind::time, 2.0, 0.0, ""};
+    two.stop = {Trigger::Kind::time, 4.0, 0.0, ""};
+    two.then = "rom";
+    Scene one = two;
+    one.parachutes.erase(one.parachutes.begin());
+    const auto run_of = [](const Fidelity& fidelity, const Scene& scene) {
+        twinchute::Run run;  // not that of a test
+        return run_scene(fidelity, scene, run, both);
+    };
+    for (const Scene& scene : {one, two}) {
+        const bool several = scene.parachutes.size() > 1;
+        Scene to_the_ground = scene;
+        to_the_ground.stop = {Trigger::Kind::ground, 0.0, 0.0, ""};
+        to_the_ground.then.clear();
+        const double landing = *run_of(rom::rom_fidelity(), to_the_ground).metric("flight_time_s");
+        for (const Fidelity* fidelity : both) {
+            SCOPED_TRACE(fidelity->name);
+            const RunRecord record = run_of(*fidelity, scene);
+            ASSERT_TRUE(record.handed_over) << record.warnings.back().why;
+            const Event* full = record.find_event(several ? "main.full-open" : "full-open");
+            ASSERT_NE(full, nullptr);
+            EXPECT_EQ(full->time, 0.0);
+            if (several) {
+                ASSERT_NE(record.find_event("drogue.full-open"), nullptr);
+                EXPECT_EQ(record.find_event("drogue.full-open")->time, 2.0);
+            }
+            // Both fall with the scene's drag area and differ in how they come to their descent.
+            EXPECT_NEAR(*record.metric("flight_time_s"), landing, 0.01 * landing);
+        }
+    }
+}
+
 TEST(HandOver, IsNotMadeWhileAParachuteHasYetToOpenOrToBeCut) {
     const auto why_not = [](const std::vector<std::string>& more) {
         std::vector<std::string> all = more;

@@ -249,6 +249,27 @@ TEST(Stages, TwoOutAtOncePullOnOnePayload) {
     EXPECT_NEAR(end("drogue_force") + end("main_force"), end("force"), 0.01 * end("force"));
 }
 
+TEST(Stages, OfTwoThatComeOutAtOneInstantTheLaterInTheSceneHasThePeak) {
+    // A peak is one from its parachute to the next: the first of them has no time for one, in either model.
+    Scene scene = drogue_and_main({"release.speed=8", "stop.at='time'", "stop.time=0.2"});
+    for (Parachute& chute : scene.parachutes) {
+        chute.deploy = {};
+        chute.deploy.by = DeployBy::inflated;
+        chute.deploy_when = Trigger{Trigger::Kind::time, 0.1, 0.0, ""};
+        chute.cut.reset();
+    }
+    for (const RunRecord& record : {test::run_full(scene), test::run_rom(scene)}) {
+        SCOPED_TRACE(record.fidelity);
+        EXPECT_FALSE(record.metric("drogue_peak_force_N"));
+        EXPECT_EQ(record.metric("main_peak_force_N"), record.metric("peak_force_N"));
+        EXPECT_GT(record.metric("peak_force_N").value_or(0.0), 0.0);
+        for (const char* event : {"drogue.full-open", "main.full-open"}) {
+            ASSERT_NE(record.find_event(event), nullptr) << event;
+            EXPECT_EQ(record.find_event(event)->time, 0.1) << event;
+        }
+    }
+}
+
 TEST(Stages, CanopiesOfAPackSnatchOneByOne) {
     // The parachute's snatch is the last one's, and the next pack waits for it; cutters run from each line
     // stretch.
