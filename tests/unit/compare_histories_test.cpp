@@ -152,11 +152,11 @@ TEST(CompareHistories, PhasesAreScoredApart) {
 
 TEST(CompareHistories, DeploymentIsScoredOnlyWhereTheReferenceHasSomething) {
     const auto phases_at = [](double before, double filling) {
-        const Curve reference{{0, 1, 1, 3, 3, 5}, {before, before, filling, filling, 2, 2}};
+        const Curve reference{{0, 0.25, 0.25, 3, 3, 5}, {before, before, filling, filling, 2, 2}};
         const Curve other = sampled(0, 5, 5, [](double) { return 1.0; });
         std::vector<HistoryPhase> phases;
         for (const PhaseScore& score :
-             score_history(with_history(reference, 1, 3), with_history(other, 1, 3), force_row()))
+             score_history(with_history(reference, 0.25, 3), with_history(other, 0.25, 3), force_row()))
             phases.push_back(score.phase);
         return phases;
     };
