@@ -79,7 +79,7 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
                              "largest drag",
                              peak.time - run.observer.rows().front().time, peak.value / drag),
                  "fabric and lines begin without strain and take the load at once: they ring",
-                 "take no load from such a start; let the canopy open, by deploy.by");
+                 "take no load from this start, or let the canopy open by another deploy.by");
     }
     if (const double filtered = run.largest_peak().value, raw = run.observer.raw_peak().value;
         filtered > 0.0 && raw > ringing * filtered && run.simulation().steps().most_subcycles() > 1)

@@ -109,7 +109,7 @@ void join_metrics(RunRecord& first, const Scene& scene, const RunRecord& rest) {
                       [](const Warning& warning) { return warning.what == not_steady_within_run; });
 }
 
-/// Of one of several parachutes, it has the parachute's name.
+/// Tells whether an event happened to a parachute; of several, each has its name before the event's.
 bool has_event(const RunRecord& record, const Scene& scene, const Parachute& chute, std::string_view name) {
     const bool one = scene.parachutes.size() == 1;
     return record.find_event(one ? std::string(name) : fmt::format("{}.{}", chute.name, name)) != nullptr;
@@ -119,7 +119,7 @@ struct Obstacle {
     std::string why, hint;
 };
 
-/// What keeps the canopies of a record's end from flying on as they are.
+/// The first reason why the canopies at the end of a record cannot fly on as they are, if there is one.
 std::optional<Obstacle> obstacle_to(const Scene& scene, const RunRecord& record) {
     for (const Parachute& chute : scene.parachutes) {
         if (has_event(record, scene, chute, "cut")) continue;

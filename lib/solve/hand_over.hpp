@@ -11,9 +11,9 @@ namespace twinchute {
 /// For plans of a scene that asks for it.
 std::string then_text(const Scene& scene);
 
-/// The scene as it goes on from the last row of a record: canopies that have not been cut open, place and
-/// velocity of the payload as they are there, on to the ground. It begins at time 0 above the place of that
-/// row.
+/// The scene as it goes on from the last row of a record, to the ground: without the parachutes that were
+/// cut, the others open, place and velocity of the payload as they are there. It begins at time 0 above the
+/// place of that row.
 Scene continued_from(const Scene& scene, const RunRecord& record);
 
 /// One record of a run and of what came after its last row by a run of continued_from. Channels of `first` go

@@ -100,7 +100,7 @@ TEST(CompareLadder, EachOfSeveralParachutesIsJudged) {
     EXPECT_EQ(ladder.judged,
               (std::vector<std::string_view>{"filling_time", "peak_force", "pilot_1_peak_force"}));
     const LevelResult& r = level(ladder, "rom, rtol 1e-6");
-    // Of 1 + 3e-6 and 1 + 3e-13, rounded to 1e-16.
+    // Distance of 1 + 3e-6 from 1 + 3e-13, rounded to 1e-16.
     EXPECT_NEAR(r.error.value().value, 3e-6, 1e-12);
     EXPECT_EQ(r.error.value().metric, "pilot_1_peak_force");
     EXPECT_EQ(r.estimate.value().metric, "pilot_1_peak_force");
