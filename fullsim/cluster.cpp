@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "fullsim/initial_state.hpp"
+#include "fullsim/mesh/start.hpp"
 #include "fullsim/time/energy.hpp"
 #include "fullsim/time/subcycling.hpp"
 #include "lib/scene/scene_error.hpp"
@@ -43,15 +44,30 @@ int canopies_of(const Scene& scene) {
     return sum;
 }
 
+/// Tangent of the widest angle that a node of a canopy has to its axis, which adds to `widest`.
+void widen(double& widest, const Vec3& from_payload, const Vec3& axis) {
+    const double along = from_payload.dot(axis);
+    widest = std::max(widest, (from_payload - along * axis).norm() / along);
+}
+
+/// Sine of the lean at which canopies so wide just stay clear of each other.
+double sine_of_lean(double widest, int count) {
+    return clearance * widest / std::sin(pi / count);
+}
+
+/// Rotation of canopy k of a parachute that leans out by so much [rad].
+Eigen::Quaterniond leaning(double lean, std::size_t k, int count, const Vec3& axis) {
+    const Eigen::AngleAxisd out(lean, axis.unitOrthogonal()),
+        around(2.0 * pi * static_cast<double>(k) / count, axis);
+    return around * out;
+}
+
 double lean_of(const Scene& scene, const Mesh& upright) {
     const int count = scene.parachutes.front().count;
     double widest = 0.0;
-    for (NodeIndex i = 0; i < upright.canopy_nodes; ++i) {
-        const Vec3& x = upright.position[static_cast<std::size_t>(i)];
-        const double along = x.dot(upright.axis);
-        widest = std::max(widest, (x - along * upright.axis).norm() / along);
-    }
-    const double sine = clearance * widest / std::sin(pi / count);
+    for (NodeIndex i = 0; i < upright.canopy_nodes; ++i)
+        widen(widest, upright.position[static_cast<std::size_t>(i)], upright.axis);
+    const double sine = sine_of_lean(widest, count);
     if (!(sine < widest_lean))
         throw SceneError({scene.file.string()}, "parachute.count",
                          fmt::format("{} canopies have no place beside each other", count),
@@ -140,11 +156,11 @@ void Cluster::add_canopies(const Scene& scene) {
         axis = upright.axis;
     }
     for (int k = 0; k < count; ++k) {
-        const Eigen::AngleAxisd out(lean, axis.unitOrthogonal()), around(2.0 * pi * k / count, axis);
         scenes.push_back(std::make_unique<Scene>(scene_of_canopy(scene, k)));
         canopies.push_back(
             std::make_unique<Simulation>(*scenes.back(), make_layout_, force_blocks(),
-                                         count > 1 ? around * out : Eigen::Quaterniond::Identity()));
+                                         count > 1 ? leaning(lean, static_cast<std::size_t>(k), count, axis)
+                                                   : Eigen::Quaterniond::Identity()));
         if (count > 1) canopies.back()->meet_others(contact_frequency(canopies.back()->mesh()));
     }
     const std::size_t first = size();
@@ -195,6 +211,25 @@ std::size_t Cluster::join(std::size_t parachute, double left) {
                   (to_vec3(canopies_[k]->payload().v) - now.velocity);
     share_payload(thrown);
     return first;
+}
+
+void Cluster::settle(std::size_t first, const std::function<bool()>& stop) {
+    const int count = scene_of_all(first).parachutes.front().count;
+    double widest = 0.0;
+    for (std::size_t k = first; k < first + static_cast<std::size_t>(count); ++k) {
+        Simulation& canopy = *canopies_[k];
+        canopy.settle(stop);
+        for (const NodeRecord& node : canopy.canopy_nodes().node)
+            widen(widest, to_vec3(node.x - canopy.payload().x), canopy.mesh().axis);
+    }
+    if (count > 1) {  // under load they are wider than they were made
+        const Vec3 axis = trailing_direction(scene_of_all(first));
+        const double sine = std::min(sine_of_lean(widest, count), widest_lean);
+        for (std::size_t k = first; k < first + static_cast<std::size_t>(count); ++k)
+            canopies_[k]->turn_to(leaning(std::asin(sine), number(k), count, axis));
+    }
+    for (std::size_t k = first; staged_ && k < first + static_cast<std::size_t>(count); ++k)
+        canopies_[k]->evaluate_forces();  // nobody else does at this instant
 }
 
 void Cluster::leave(std::size_t first) {

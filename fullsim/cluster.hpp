@@ -98,6 +98,9 @@ public:
     const Scene& scene_of_all(std::size_t k) const {
         return staged_ ? *departures_[members_[k].departure].scene : scene_;
     }
+    /// All canopies of a parachute from its first on, which come out open, settle as each does alone, and
+    /// lean out as far as they are wide then.
+    void settle(std::size_t first, const std::function<bool()>& stop);
     /// A parachute is cut: all canopies of it from its first on. They no longer move.
     void leave(std::size_t first);
     /// Sets what ends a free flight before its end.

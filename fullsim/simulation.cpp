@@ -37,7 +37,8 @@ Simulation::Simulation(const Scene& scene, const LayoutMaker& layout, std::span<
       body_(make_body(scene, mesh_)),
       state_(first_state(scene, mesh_)),
       layout_(make_layout_(scene, mesh_, constants_)),
-      steps_(scene, mesh_, constants_) {
+      steps_(scene, mesh_, constants_),
+      turn_(turn) {
     state_.phase = first_phase(scene, inflation_);
     if (body_) body_->start(state_, mesh_.axis);
     if (scene.parachutes.front().deploy.starts_packed()) {
@@ -58,6 +59,10 @@ Simulation::Simulation(const Scene& scene, const LayoutMaker& layout, std::span<
                             steady_radius(chute), chute.geometric_porosity)
                 .value;
     state_.energy.kinetic_start = kinetic_energy(state_, constants_);
+    begin_shape();
+}
+
+void Simulation::begin_shape() {
     state_.energy.elastic_start = elastic_energy(state_, structure_);
     for (const auto& model : structure_)
         model->prepare(state_);
@@ -241,8 +246,13 @@ void Simulation::renew_air() {
     State& s = state_;
     // A line that is cut and never was taut frees nothing: a canopy that has been full goes on.
     const double filled = std::min(full_at_, inflation_.end_of(Phase::filling));
-    update_air(s, scene_.environment, mesh_.payload(), constants_.system_mass,
-               air_mass_in_reference(s.added_mass, s.time - filled, time_scale()));
+    const double air_mass = air_mass_in_reference(s.added_mass, s.time - filled, time_scale());
+    if (held_airspeed_)
+        s.air.wind = s.air.wind_at_payload =
+            *held_airspeed_ +
+            reference_velocity(s.sums, to_vec3(payload().x), constants_.system_mass, air_mass);
+    else
+        update_air(s, scene_.environment, mesh_.payload(), constants_.system_mass, air_mass);
     if (s.stage == Stage::deployment) {
         s.air.extraction = extraction();
         return;
@@ -415,6 +425,7 @@ void Simulation::serialize(Archive& archive) {
     for (double* x : {&ramp_start_, &ramp_time_, &ramp_energy_})
         archive.number("ramp", *x);
     archive.number("full at", full_at_);
+    archive.flag("settled", settled_);
     steps_.serialize(archive);
     archive.whole("element steps", element_steps_, 0);
     archive.whole("first step", first_step_, 0);

@@ -92,6 +92,16 @@ public:
     void begin_at(const Vec3& position, const Vec3& velocity, std::int64_t step);
     /// As bear, at the start of a simulation, whose ledger begins with it.
     void weigh_payload(double node_mass);
+
+    /// Gives a canopy that begins open the shape that it flies with; without it fabric and lines would begin
+    /// without strain and take their load at once. A copy of the parachute falls on, straight and alone, in
+    /// air that goes along with it, and comes to rest whenever its motion is strongest, until that is weak. A
+    /// fault in it, or `stop`, leaves everything as it is.
+    void settle(const std::function<bool()>& stop);
+    /// Another turn about the payload than the one at the start, before the first step.
+    void turn_to(const Eigen::Quaterniond& turn);
+    /// Whether settling came to its end, for a canopy that begins under load.
+    bool has_settled() const { return settled_; }
     /// Nodes of the canopy may be pushed from outside by forces as stiff as `frequency` [1/s] over their
     /// material mass: counts in the critical step from here on.
     void meet_others(double frequency);
@@ -202,6 +212,12 @@ public:
 private:
     /// Canopy as a whole, without its nodes.
     PressedNodes pressed() const;
+    /// The ledger begins with the strains of now.
+    void begin_shape();
+    std::optional<bool> relax(double unit, const std::function<bool()>& stop);
+    double mean_kinetic() const;
+    void come_to_rest();
+    void take_shape_of(const Simulation& settled, const Eigen::Quaterniond& turn);
     void change_stage(Stage stage);
     void build_blocks();
     /// The air as the nodes meet it at system().time.
@@ -269,6 +285,9 @@ private:
     double ramp_start_ = 0.0, ramp_time_ = 0.0;  // [s]
     double ramp_energy_ = 0.0;   // [J] of the finite elements at full stiffness, at the last step of the ramp
     double full_at_ = infinity;  // [s] a canopy whose filling is predicted first came to its full area
+    Eigen::Quaterniond turn_;    // of all of it at the start
+    std::optional<Vec3> held_airspeed_;  // [m/s] of air that goes along, as is its density
+    bool settled_ = true;
     std::size_t reefing_stage_ = 0;
     std::vector<Cable> lines_;  // elements of the suspension lines; empty after snatch
     LargestLoads sound_loads_;

@@ -159,8 +159,14 @@ void FullRun::begin() {
         if (ended_) observe();  // a record has at least one row
         return;
     }
+    settle(0);
     add_event(view().packed() ? "release" : view().inflated() ? "full-open" : "line-stretch");
     if (!view().packed()) met(view().inflated() ? Trigger::Kind::full_open : Trigger::Kind::line_stretch);
+}
+
+/// Canopies of a parachute from its first on, where they come out open.
+void FullRun::settle(std::size_t first) {
+    if (canopies_[first]->view().inflated()) cluster_.settle(first, [this] { return clock_.may_stop(); });
 }
 
 void FullRun::observe() {
@@ -434,6 +440,7 @@ void FullRun::leave_pack(std::size_t parachute) {
     }
     for (std::size_t k = joined; k < cluster_.size(); ++k)
         add_canopy(k);
+    settle(joined);
     weigh_payload();
     fall_.restart();
     if (begun_) observe_parachute(joined);  // nobody else does at this instant

@@ -122,6 +122,7 @@ private:
     void for_each_observer(Work&& work);
 
     void begin();
+    void settle(std::size_t first);
 
     void observe();
     /// The forces of these canopies, as one, on the payload, where there are any.

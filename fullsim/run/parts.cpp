@@ -83,6 +83,7 @@ constexpr std::array parts_of_runs{
     Part{physics, "deployment", "lines and canopy are drawn out of the pack", &packed, &start},
     Part{physics, "snatch and inflation", "the canopy fills", [](const Scene& s) { return !inflated(s); },
          &start},
+    Part{physics, "settling", "an open canopy takes its load before the run begins", &inflated, &start},
     Part{physics, "wind", "the air moves", [](const Scene& s) { return s.environment.wind.has_value(); },
          [](const Scene& s) { return given("environment.wind", s.environment.wind.has_value()); }},
     Part{physics, "added mass", "air moves with the canopy",

@@ -30,6 +30,7 @@ constexpr double mouth_share = 0.4;
 /// Share of the time to snatch in which all fabric is folded: 0.40 in the crane drop, 0.39 in the free
 /// deployment.
 constexpr double folded_share = 0.4;
+constexpr double settling = 2.0;  // D0/v of an open canopy, before it is released (settle.cpp)
 
 /// Durations of a run's stages, as far as they can be known beforehand.
 struct ExpectedFlight {
@@ -323,9 +324,15 @@ private:
         Probe probe(as_it_is ? scene_ : start_of(scene_, DeployBy::inflated, flight_.altitude, descent),
                     basis_.threads);
         run(probe);
-        add(probe, "open canopy", begin, flight_.end, [&](double) {
+        const auto steps = [&](double) {
             return ChosenStep{probe.mean_step(), probe.simulation().step().subcycles};
-        });
+        };
+        if (as_it_is && plan_.whole && flight_.speed > 0.0)
+            add(probe, "settling",
+                begin - settling *
+                            std::min(chute.nominal_diameter / flight_.speed, probe.simulation().time_scale()),
+                begin, steps);
+        add(probe, "open canopy", begin, flight_.end, steps);
     }
 
     const Scene& scene_;

@@ -155,6 +155,16 @@ void BlockClock::begin(const std::vector<std::string>& names) {
     }
 }
 
+void BlockClock::add(const BlockClock& other) {
+    for (Account& account : accounts_) {
+        const auto same = std::ranges::find(other.accounts_, account.name, &Account::name);
+        if (same == other.accounts_.end()) continue;
+        account.seconds += same->seconds;
+        account.sampled += same->sampled;
+        account.steps += same->steps;
+    }
+}
+
 void BlockClock::serialize(Archive& archive) {
     archive.length("accounts", accounts_, 1000);
     for (Account& account : accounts_) {

@@ -45,6 +45,9 @@ public:
     /// [s], of all steps.
     std::vector<BlockCost> costs() const;
 
+    /// Adds the account of another clock for each block of this one.
+    void add(const BlockClock& other);
+
     /// Before begin.
     void serialize(Archive& archive);
 

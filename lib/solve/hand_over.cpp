@@ -44,13 +44,30 @@ double last_rate(const RunRecord& record, std::string_view channel) {
     return rate;
 }
 
+/// Tells whether an event happened to a parachute; of several, each has its name before the event's.
+bool has_event(const RunRecord& record, const Scene& scene, const Parachute& chute, std::string_view name) {
+    const bool one = scene.parachutes.size() == 1;
+    return record.find_event(one ? std::string(name) : fmt::format("{}.{}", chute.name, name)) != nullptr;
+}
+
+/// What channels of the only one of several parachutes that flies on begin with: of the rest they are those
+/// of the whole. Nothing where several fly on, or the scene has one.
+std::optional<std::string> prefix_of_the_only_one(const RunRecord& record, const Scene& scene) {
+    const auto flies_on = [&](const Parachute& chute) { return !has_event(record, scene, chute, "cut"); };
+    if (scene.parachutes.size() == 1 || std::ranges::count_if(scene.parachutes, flies_on) != 1) return {};
+    return std::ranges::find_if(scene.parachutes, flies_on)->name + "_";
+}
+
 /// Rows of `rest` but for its first, which is the last one of `first`.
-void join_channels(RunRecord& first, const RunRecord& rest) {
+void join_channels(RunRecord& first, const Scene& scene, const RunRecord& rest) {
+    const auto prefix = prefix_of_the_only_one(first, scene);
     const std::size_t rows = rest.channels.front().values.size();
     for (Channel& channel : first.channels) {
         const double before = channel.values.back();
         const bool counts_on = channel.name == "time" || channel.name == "east" || channel.name == "north";
         const Channel* more = rest.find_channel(channel.name);
+        if (more == nullptr && prefix && channel.name.starts_with(*prefix))
+            more = rest.find_channel(channel.name.substr(prefix->size()));
         for (std::size_t i = 1; i < rows; ++i) {
             const double nothing = counts_on ? before : not_a_number;  // no motion across is none
             channel.values.push_back(more == nullptr ? nothing
@@ -107,12 +124,6 @@ void join_metrics(RunRecord& first, const Scene& scene, const RunRecord& rest) {
     if (first.find_metric("descent_rate_m_s"))
         std::erase_if(first.warnings,
                       [](const Warning& warning) { return warning.what == not_steady_within_run; });
-}
-
-/// Tells whether an event happened to a parachute; of several, each has its name before the event's.
-bool has_event(const RunRecord& record, const Scene& scene, const Parachute& chute, std::string_view name) {
-    const bool one = scene.parachutes.size() == 1;
-    return record.find_event(one ? std::string(name) : fmt::format("{}.{}", chute.name, name)) != nullptr;
 }
 
 struct Obstacle {
@@ -184,7 +195,7 @@ RunRecord joined(RunRecord first, const Scene& scene, const RunRecord& rest) {
     std::erase_if(first.missing,
                   [&](const MissingMetric& row) { return first.find_metric(row.metric) != nullptr; });
     join_events(first, rest, time);
-    join_channels(first, rest);
+    join_channels(first, scene, rest);
     add_cost(first.cost, rest.cost);
     for (const Warning& warning : rest.warnings)
         if (std::ranges::find(first.warnings, warning.what, &Warning::what) == first.warnings.end())

@@ -242,15 +242,15 @@ TEST_F(SystemCli, ANumericalFailureIsExitThreeWithARecord) {
 }
 
 TEST_F(SystemCli, AWarningOfFoldedGoresKnowsWhetherThereIsContact) {
-    // Thrown upward at 50 m/s an open canopy meets the air from above and folds: a quarter of its area is
-    // inside out.
+    // Thrown upward an open canopy meets the air from above as it falls back, and folds: half of its area
+    // is inside out.
     for (const std::string contact : {"none", "gores"}) {
         Words words{"full", c9_inflation, "--out", contact};
         for (const char* key :
-             {"parachute.deploy.by=inflated", "release.speed=50", "release.path_angle='-90 deg'"})
+             {"parachute.deploy.by=inflated", "release.speed=30", "release.path_angle='-85 deg'"})
             words.insert(words.end(), {"--set", key});
         words.insert(words.end(), a_moment.begin(), a_moment.end());
-        words.insert(words.end(), {"--set", "stop.time=2.2", "--set", "full.contact='" + contact + "'"});
+        words.insert(words.end(), {"--set", "stop.time=3.2", "--set", "full.contact='" + contact + "'"});
         const Ended ended = run(words);
         EXPECT_EQ(ended.code, 0) << ended.err;
         EXPECT_NE(ended.out.find("gores are folded inside out"), std::string::npos) << ended.out;

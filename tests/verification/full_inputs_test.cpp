@@ -88,22 +88,6 @@ TEST(FullInputs, ACanopyWhoseBreathingNothingDampsIsSaidToRing) {
     EXPECT_FALSE(says());
 }
 
-TEST(FullInputs, ACanopyThatBeginsOpenInAStreamIsSaidToRing) {
-    // At its steady speed, but without strain: a load that acts at once pulls an undamped spring twice as
-    // hard as at rest, and several in a row, as lines and canopy are, harder or, damped, less.
-    const auto says = [](const RunRecord& record) { return warns(record, "times the largest drag"); };
-    Scene scene = test::c9_scene();
-    scene.full.mesh = {2, 9, 5, 2};
-    scene.stop = {Trigger::Kind::time, 1.5, 0.0};
-    EXPECT_FALSE(says(test::run_full(scene)));  // from line stretch
-    scene.parachutes.front().deploy.by = DeployBy::inflated;
-    const double weight = scene.payload.mass * test::g;
-    scene.release.speed = std::sqrt(2.0 * weight / (1.225 * scene.parachutes.front().drag_area));
-    const RunRecord record = test::run_full(scene);
-    EXPECT_TRUE(says(record));
-    EXPECT_GT(*record.metric("peak_force_N"), 1.5 * weight);
-}
-
 TEST(FullInputs, TheDragAreaGoesByTheMachNumber) {
     // Half the drag area is half the drag area, whichever way it is said: 0.5 changes no digit. One of 1
     // changes nothing.

@@ -171,9 +171,8 @@ TEST(HandOver, OfACanopyThatOverInflatesWaitsUntilItHasSettled) {
                 1e-6 * *whole.metric("flight_time_s"));
 }
 
-TEST(HandOver, TakesCanopiesThatCameOutOpen) {
-    // Full as soon as they are out: the main at release, the drogue 2 s later, the only one of all at
-    // release.
+/// A drogue and a main that come out open, on a slow fall handed over after 4 s.
+Scene two_that_come_out_open() {
     Scene two = read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-drogue.toml",
                            {"release.altitude=100", "release.speed=8", "release.path_angle='90 deg'",
                             "full.mesh={gore_rows=4,gore_columns=1,line_elements=3}"});
@@ -183,15 +182,23 @@ TEST(HandOver, TakesCanopiesThatCameOutOpen) {
         chute.deploy_when.reset();
         chute.cut.reset();
     }
-    two.parachutes[0].deploy_when = Trigger{Trigger::Kind::time, 2.0, 0.0, ""};
     two.stop = {Trigger::Kind::time, 4.0, 0.0, ""};
     two.then = "rom";
+    return two;
+}
+
+RunRecord run_of(const Fidelity& fidelity, const Scene& scene) {
+    twinchute::Run run;  // not that of a test
+    return run_scene(fidelity, scene, run, both);
+}
+
+TEST(HandOver, TakesCanopiesThatCameOutOpen) {
+    // Full as soon as they are out: the main at release, the drogue 2 s later, the only one of all at
+    // release.
+    Scene two = two_that_come_out_open();
+    two.parachutes[0].deploy_when = Trigger{Trigger::Kind::time, 2.0, 0.0, ""};
     Scene one = two;
     one.parachutes.erase(one.parachutes.begin());
-    const auto run_of = [](const Fidelity& fidelity, const Scene& scene) {
-        twinchute::Run run;  // not that of a test
-        return run_scene(fidelity, scene, run, both);
-    };
     for (const Scene& scene : {one, two}) {
         const bool several = scene.parachutes.size() > 1;
         Scene to_the_ground = scene;
@@ -212,6 +219,27 @@ TEST(HandOver, TakesCanopiesThatCameOutOpen) {
             // Both fall with the scene's drag area and differ in how they come to their descent.
             EXPECT_NEAR(*record.metric("flight_time_s"), landing, 0.01 * landing);
         }
+    }
+}
+
+TEST(HandOver, ColumnsOfTheOnlyParachuteLeftGoOn) {
+    // In the rest it is the only one, and its columns are those of all. Where two fly on the rest has
+    // columns of each by itself, as far as its model does.
+    Scene cut = two_that_come_out_open(), stays = cut;
+    cut.parachutes[0].cut = Trigger{Trigger::Kind::time, 1.0, 0.0, ""};
+    for (const Scene& scene : {cut, stays}) {
+        const RunRecord record = run_of(fullsim::full_fidelity(), scene);
+        ASSERT_TRUE(record.handed_over) << record.warnings.back().why;
+        const auto end = [&](const char* channel) { return at_end(record, channel); };
+        EXPECT_TRUE(std::isnan(end("drogue_force")));
+        if (scene.parachutes[0].cut) {
+            EXPECT_EQ(end("main_force"), end("force"));
+            EXPECT_EQ(end("main_drag_area"), end("drag_area"));
+            EXPECT_GT(end("main_force"), 0.0);
+        } else {
+            EXPECT_TRUE(std::isnan(end("main_force")));
+        }
+        EXPECT_TRUE(std::isnan(end("main_projected_area")));  // the reduced-order model has no shape
     }
 }
 
