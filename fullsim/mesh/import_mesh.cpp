@@ -173,32 +173,58 @@ private:
         return node(e, 0) == i ? node(e, 1) : node(e, 0);
     }
 
+    bool ends_lines(NodeIndex i, const EdgesAt& risers) const {
+        return i == out_.mesh.payload() || risers.contains(i);
+    }
+
+    /// Edge by which each node of lines hangs on a riser or on the confluence.
+    std::map<NodeIndex, const GmshElement*> edges_below(const EdgesAt& lines, const EdgesAt& risers) const {
+        std::map<NodeIndex, const GmshElement*> below;
+        std::vector<NodeIndex> order;
+        for (const auto& [i, at] : lines)
+            if (ends_lines(i, risers)) order.push_back(i);
+        for (std::size_t k = 0; k < order.size(); ++k) {
+            const NodeIndex here = order[k];
+            const auto from = below.find(here);
+            for (const GmshElement* e : lines.at(here)) {
+                const NodeIndex end = other_end(*e, here);
+                if ((from != below.end() && e == from->second) || out_.mesh.is_canopy(end)) continue;
+                if (ends_lines(end, risers) || !below.emplace(end, e).second)
+                    file_.refuse(*e, "closes a ring of lines", "each line has one way to the confluence",
+                                 "take one of its edges out");
+                order.push_back(end);
+            }
+        }
+        return below;
+    }
+
     /// The line from `foot` on the canopy, `first` its first edge, to a riser or to the confluence.
-    ImportedLine follow_line(NodeIndex foot, const GmshElement* first, const EdgesAt& lines,
-                             const EdgesAt& risers, std::set<const GmshElement*>& used) const {
+    ImportedLine follow_line(NodeIndex foot, const GmshElement* first,
+                             const std::map<NodeIndex, const GmshElement*>& below, const EdgesAt& risers,
+                             std::set<const GmshElement*>& used) const {
         ImportedLine line{{foot}, {}};
         for (const GmshElement* here = first;;) {
-            if (!used.insert(here).second)
-                file_.refuse(*here, "is part of two lines", "", "give each line edges of its own");
+            used.insert(here);
             line.piece.push_back(length_of(*here));
             const NodeIndex end = other_end(*here, line.node.back());
             line.node.push_back(end);
-            if (end == out_.mesh.payload() || risers.contains(end)) return line;
+            if (ends_lines(end, risers)) return line;
             if (out_.mesh.is_canopy(end))
                 file_.refuse(*here, "leads from the canopy back to it", "a line leads to the confluence",
                              "take it for a tape");
-            const auto& at = lines.at(end);
-            if (at.size() != 2)
-                file_.refuse(*here, at.size() == 1 ? "ends at nothing" : "branches",
-                             fmt::format("node {} is on no riser and is not the confluence", tag(end)),
+            const auto next = below.find(end);
+            if (next == below.end())
+                file_.refuse(*here, "ends at nothing",
+                             fmt::format("node {} does not hang on a riser or the confluence", tag(end)),
                              "lines lead from the skirt to a riser or to the confluence");
-            here = at[0] == here ? at[1] : at[0];
+            here = next->second;
         }
     }
 
-    /// Every line runs from the skirt, without a branch, to a riser or to the confluence.
+    /// Every line runs from the skirt to a riser or to the confluence; several may come together on the way.
     void attach_lines() {
         const EdgesAt lines = edges_at(group_line), risers = edges_at(group_riser);
+        const auto below = edges_below(lines, risers);
         std::set<const GmshElement*> used;
         for (const auto& [foot, first] : lines) {
             if (!out_.mesh.is_canopy(foot)) continue;
@@ -213,7 +239,7 @@ private:
                     file_.refuse(*e, "is not tied to the skirt, where other lines are",
                                  fmt::format("node {} is on another edge of the canopy", tag(foot)),
                                  "tie all lines to one edge");
-                out_.lines.push_back(follow_line(foot, e, lines, risers, used));
+                out_.lines.push_back(follow_line(foot, e, below, risers, used));
             }
         }
         const auto& elements = file_.elements_of(group_line);
@@ -231,10 +257,10 @@ private:
 
     /// Risers are a tree that grows from the confluence; each is as strong as the lines that it carries.
     void attach_risers() {
-        const auto risers = edges_at(group_riser);
+        const EdgesAt risers = edges_at(group_riser), lines = edges_at(group_line);
         std::vector<int> carried(out_.mesh.position.size(), 0);  // lines that end at a node, then above it
-        for (const ImportedLine& line : out_.lines)
-            ++carried[line.node.back()];
+        for (const auto& [i, at] : lines)
+            if (ends_lines(i, risers)) carried[i] = static_cast<int>(at.size());
         std::vector<std::pair<NodeIndex, const GmshElement*>> order{{out_.mesh.payload(), nullptr}};
         std::vector<bool> seen(out_.mesh.position.size(), false);
         seen[out_.mesh.payload()] = true;

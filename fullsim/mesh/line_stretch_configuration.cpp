@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <span>
 #include <utility>
 
@@ -14,6 +15,9 @@
 
 namespace twinchute::fullsim {
 namespace {
+
+constexpr int most_corrections = 100;
+constexpr double unstrained = 1e-12;
 
 [[noreturn]] void refuse(const Scene& scene, std::string key, std::string problem, std::string why,
                          std::string hint) {
@@ -63,12 +67,13 @@ public:
                        fmt::format("it lies {:.4g} m to the side of the link", across), "lengthen the lines");
             apex = std::min(apex, link.z() + std::sqrt(length * length - across * across) + skirt.z());
         }
-        for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i) {
-            const Vec3& p = folded[static_cast<std::size_t>(i)];
-            mesh_.position[i] = {p.x(), p.y(), apex - p.z()};
+        hang(folded, apex);
+        // Where lines come together none of them is straight, and the canopy hangs a little lower.
+        for (int k = 0; k < most_corrections; ++k) {
+            const double too_long = longest_excess();
+            if (too_long < unstrained * apex) break;
+            hang(folded, apex -= too_long);
         }
-        for (const ImportedLine& line : imported_.lines)
-            straighten(line);
         return along_axis();
     }
 
@@ -81,15 +86,38 @@ private:
         return std::move(mesh_);
     }
 
-    /// Nodes of a line between its ends, each where its part of the length is.
-    void straighten(const ImportedLine& line) {
-        const Vec3 start = mesh_.position[line.node.front()], end = mesh_.position[line.node.back()];
-        const double whole = line.length();
-        double length = 0.0;
-        for (std::size_t k = 1; k + 1 < line.node.size(); ++k) {
-            length += line.piece[k - 1];
-            mesh_.position[line.node[k]] = start + (end - start) * (length / whole);
+    /// The canopy below its apex, and lines below the canopy: nodes between their ends where their part of
+    /// the length is, those that several lines share in the middle of where each would have them.
+    void hang(const std::vector<Vec3>& folded, double apex) {
+        for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i) {
+            const Vec3& p = folded[static_cast<std::size_t>(i)];
+            mesh_.position[i] = {p.x(), p.y(), apex - p.z()};
         }
+        std::map<NodeIndex, std::pair<Vec3, int>> between;
+        for (const ImportedLine& line : imported_.lines) {
+            const Vec3 start = mesh_.position[line.node.front()], end = mesh_.position[line.node.back()];
+            const double whole = line.length();
+            double length = 0.0;
+            for (std::size_t k = 1; k + 1 < line.node.size(); ++k) {
+                length += line.piece[k - 1];
+                auto& [sum, count] = between.try_emplace(line.node[k], Vec3::Zero(), 0).first->second;
+                sum += start + (end - start) * (length / whole);
+                ++count;
+            }
+        }
+        for (const auto& [i, places] : between)
+            mesh_.position[i] = places.first / places.second;
+    }
+
+    /// [m] by which a piece of a line is longer than the load stretches it, at most.
+    double longest_excess() const {
+        double excess = 0.0;
+        for (const ImportedLine& line : imported_.lines)
+            for (std::size_t k = 0; k < line.piece.size(); ++k)
+                excess = std::max(excess,
+                                  (mesh_.position[line.node[k]] - mesh_.position[line.node[k + 1]]).norm() -
+                                      mesh_.line_stretch * line.piece[k]);
+        return excess;
     }
 
     const ImportedMesh& imported_;

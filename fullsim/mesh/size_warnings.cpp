@@ -16,6 +16,9 @@ std::vector<Warning> size_warnings(const ImportedMesh& imported, const Scene& sc
         return length;
     };
     const double lines = static_cast<double>(imported.lines.size());
+    double line_length = 0.0;
+    for (const ImportedLine& line : imported.lines)
+        line_length += line.length() / lines;
     double risers = 0.0;
     for (const Cable& c : imported.mesh.cables)
         risers += c.kind == CableKind::riser && std::ranges::count(c.node, imported.mesh.payload()) > 0;
@@ -32,7 +35,7 @@ std::vector<Warning> size_warnings(const ImportedMesh& imported, const Scene& sc
          {Size{"parachute.nominal_diameter", " m", chute.nominal_diameter, diameter(imported.nominal_area)},
           Size{"parachute.vent_diameter", " m", chute.vent_diameter, diameter(imported.vent_area)},
           Size{"parachute.gores", "", static_cast<double>(chute.gores), lines},
-          Size{"parachute.line_length", " m", chute.line_length, total(CableKind::line) / lines},
+          Size{"parachute.line_length", " m", chute.line_length, line_length},
           Size{"parachute.riser_length", " m", chute.riser_length, total(CableKind::riser) / riser_ends}})
         if (s.said > 0.0 && std::abs(s.meshed - s.said) > noticeable * s.said)
             warnings.push_back(

@@ -66,6 +66,30 @@ TEST(ImportMesh, TakesBothFormatsForTheSame) {
     }
 }
 
+TEST(ImportMesh, FollowsLinesThatComeTogether) {
+    // The lines of nodes 2 and 3 at 8, from there one strand of their cord; with the other two it makes three
+    // on the riser.
+    MeshSketch sketch;
+    sketch.nodes.push_back({8, {1, 1, 3}});
+    sketch.element(31).nodes = {2, 8};
+    sketch.element(32).nodes = {3, 8};
+    sketch.elements.push_back({35, 3, {8, 6}});
+    for (const char* version : {"2.2", "4.1"}) {
+        const ImportedMesh got = import(sketch.text(version));
+        ASSERT_EQ(got.lines.size(), 4u);
+        const double leg = 3.0, trunk = std::sqrt(6.0);  // of (2, 1, 2), (1, 1, 2)
+        const NodeIndex link = got.lines[2].node.back(), fork = got.lines[0].node[1];
+        EXPECT_EQ(got.lines[0].node, (std::vector<NodeIndex>{1, fork, link}));
+        EXPECT_EQ(got.lines[1].node, (std::vector<NodeIndex>{2, fork, link}));
+        EXPECT_EQ(got.lines[2].node, (std::vector<NodeIndex>{3, link}));
+        for (const std::size_t k : {0u, 1u})
+            EXPECT_NEAR(got.lines[k].length(), leg + trunk, 1e-14);
+        for (const Cable& c : got.mesh.cables)
+            EXPECT_EQ(c.strands, c.kind == CableKind::riser ? 3.0 : 1.0);
+        EXPECT_EQ(std::ranges::count(got.mesh.cables, CableKind::line, &Cable::kind), 5);
+    }
+}
+
 TEST(ImportMesh, TurnsTrianglesOutsideWhicheverWayTheyWereDrawn) {
     MeshSketch sketch;
     for (MeshSketch::Element& e : sketch.elements)
@@ -395,6 +419,32 @@ const std::vector<Mistake> mistakes{
      },
      "42 ",
      {"closes a ring of risers"}},
+    {"ring of lines",
+     [](auto& s) {
+         s.nodes.push_back({8, {1, 1, 3}});
+         s.nodes.push_back({9, {1, 0, 2}});
+         s.element(31).nodes = {2, 8};
+         s.elements.push_back({35, 3, {8, 6}});
+         s.elements.push_back({36, 3, {8, 9}});
+         s.elements.push_back({37, 3, {9, 6}});
+     },
+     "36 ",
+     {"closes a ring of lines"}},
+    {"line between two risers",
+     [](auto& s) {
+         s.nodes.push_back({8, {1, 0, 0.5}});
+         s.elements.push_back({42, 4, {8, 7}});
+         s.elements.push_back({35, 3, {6, 8}});
+     },
+     "35 ",
+     {"closes a ring of lines"}},
+    {"branch that ends at nothing",
+     [](auto& s) {
+         s.nodes.push_back({8, {1, 1, 3}});
+         s.elements.push_back({35, 3, {6, 8}});
+     },
+     "35 ",
+     {"line 35 is not tied to the skirt"}},
     {"tape off the edges",
      [](auto& s) {
          s.element(22).nodes = {2, 4};

@@ -154,6 +154,61 @@ TEST(ImportedMesh, WritesTheFileThatItWasReadFrom) {
     }
 }
 
+/// The constructed C-9 with two elements a line, each two lines of it made one from the middle on: the nodes
+/// of both middles lie on what they share.
+Mesh with_lines_that_come_together(const Scene& scene) {
+    Mesh mesh = built_mesh(scene);
+    std::vector<Cable*> upper, lower;  // from the skirt, to the link; line by line
+    for (Cable& c : mesh.cables)
+        if (c.kind == CableKind::line) (mesh.is_canopy(c.node[0]) ? upper : lower).push_back(&c);
+    for (std::size_t k = 0; k < upper.size(); k += 2) {
+        const NodeIndex fork = upper[k]->node[1], below = upper[k + 1]->node[1];
+        const Vec3 link = mesh.position[lower[k]->node[1]];
+        mesh.position[fork] = 0.5 * (mesh.position[fork] + mesh.position[below]);
+        mesh.position[below] = 0.5 * (mesh.position[fork] + link);
+        upper[k + 1]->node[1] = fork;
+        lower[k]->node = {fork, below};
+    }
+    return mesh;
+}
+
+TEST(ImportedMesh, CarriesLinesThatComeTogether) {
+    // The largest tension of lines is that of what two of them share: twice that of a line of the same
+    // parachute without, but for the angle between both. The force on the payload is the same.
+    const ScratchDir directory;
+    Scene scene = test::c9_scene();
+    scene.full.mesh = {2, 7, 2, 2, Grading::graded};
+    scene.release.speed = 8.0;
+    scene.stop = {Trigger::Kind::time, 0.3, 0.0};
+    const std::string text = gmsh_text(with_lines_that_come_together(scene), GmshVersion::v4_1, scene.name);
+    const Scene together = with_mesh(scene, directory, text, "together.msh"),
+                apart = imported(scene, directory);
+    EXPECT_EQ(gmsh_text(built_mesh(together), GmshVersion::v4_1, scene.name), text);
+    for (const DeployBy by : {DeployBy::line_stretch, DeployBy::inflated}) {
+        const auto run = [by](Scene of) {
+            chute_of(of).deploy.by = by;
+            return test::run_full(of);
+        };
+        // At line stretch no piece is longer than the load makes it: the ledger begins with little strain.
+        Scene drawn_out = together;
+        chute_of(drawn_out).deploy.by = by;
+        const Mesh start = start_mesh(drawn_out, inflated(chute_of(drawn_out)), Phase::open);
+        double longest = 0.0;
+        for (const Cable& c : start.cables)
+            if (c.kind == CableKind::line)
+                longest = std::max(
+                    longest, (start.position[c.node[0]] - start.position[c.node[1]]).norm() / c.rest_length);
+        EXPECT_NEAR(longest, start.line_stretch, 1e-9);
+        if (by == DeployBy::line_stretch) continue;
+        const RunRecord one = run(together), other = run(apart);
+        ASSERT_EQ(one.status.code, StatusCode::completed) << one.status.detail;
+        EXPECT_NE(one.provenance.instruction_set.find("unstructured"), std::string::npos);
+        EXPECT_NEAR(*one.metric("max_force_N") / *other.metric("max_force_N"), 1.0, 0.01);
+        EXPECT_NEAR(*one.metric("max_line_tension_N") / *other.metric("max_line_tension_N"), 2.0, 0.04);
+        EXPECT_LT(std::abs(one.energy->residual_fraction), 1e-3);
+    }
+}
+
 /// A file of the older format with its nodes numbered anew, at random, and its elements in another order.
 std::string shuffled(const std::string& text) {
     std::vector<std::string> nodes, elements, head;
