@@ -189,20 +189,25 @@ TEST(ImportedMesh, CarriesLinesThatComeTogether) {
             chute_of(of).deploy.by = by;
             return test::run_full(of);
         };
-        // At line stretch no piece is longer than the load makes it: the ledger begins with little strain.
+        // No piece is longer than the load makes it, and hardly one is slack.
         Scene drawn_out = together;
         chute_of(drawn_out).deploy.by = by;
         const Mesh start = start_mesh(drawn_out, inflated(chute_of(drawn_out)), Phase::open);
-        double longest = 0.0;
-        for (const Cable& c : start.cables)
-            if (c.kind == CableKind::line)
-                longest = std::max(
-                    longest, (start.position[c.node[0]] - start.position[c.node[1]]).norm() / c.rest_length);
+        double longest = 0.0, shortest = infinity;
+        for (const Cable& c : start.cables) {
+            if (c.kind != CableKind::line) continue;
+            const double ratio =
+                (start.position[c.node[0]] - start.position[c.node[1]]).norm() / c.rest_length;
+            longest = std::max(longest, ratio), shortest = std::min(shortest, ratio);
+        }
         EXPECT_NEAR(longest, start.line_stretch, 1e-9);
+        EXPECT_GT(shortest, 0.995);
         if (by == DeployBy::line_stretch) continue;
         const RunRecord one = run(together), other = run(apart);
         ASSERT_EQ(one.status.code, StatusCode::completed) << one.status.detail;
         EXPECT_NE(one.provenance.instruction_set.find("unstructured"), std::string::npos);
+        for (const Warning& warning : one.warnings)
+            EXPECT_EQ(warning.what.find("line_length"), std::string::npos) << warning.what;
         EXPECT_NEAR(*one.metric("max_force_N") / *other.metric("max_force_N"), 1.0, 0.01);
         EXPECT_NEAR(*one.metric("max_line_tension_N") / *other.metric("max_line_tension_N"), 2.0, 0.04);
         EXPECT_LT(std::abs(one.energy->residual_fraction), 1e-3);
