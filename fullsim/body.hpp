@@ -42,6 +42,9 @@ public:
         finish(state, dt);
     }
 
+    /// [rad/s] at the time of the velocities in the node records; none of one whose nodes move by themselves.
+    virtual Vec3 spin(const State&) const { return Vec3::Zero(); }
+
     /// Kinetic [J], beyond that of the payload's node, at the time of the velocities in the node records.
     virtual double inner_energy(const State& state) const = 0;
 

@@ -45,9 +45,9 @@ int canopies_of(const Scene& scene) {
 }
 
 /// Tangent of the widest angle that a node of a canopy has to its axis, which adds to `widest`.
-void widen(double& widest, const Vec3& from_payload, const Vec3& axis) {
-    const double along = from_payload.dot(axis);
-    widest = std::max(widest, (from_payload - along * axis).norm() / along);
+void widen(double& widest, const Vec3& from_pivot, const Vec3& axis) {
+    const double along = from_pivot.dot(axis);
+    widest = std::max(widest, (from_pivot - along * axis).norm() / along);
 }
 
 /// Sine of the lean at which canopies so wide just stay clear of each other.
@@ -66,7 +66,7 @@ double lean_of(const Scene& scene, const Mesh& upright) {
     const int count = scene.parachutes.front().count;
     double widest = 0.0;
     for (NodeIndex i = 0; i < upright.canopy_nodes; ++i)
-        widen(widest, upright.position[static_cast<std::size_t>(i)], upright.axis);
+        widen(widest, upright.position[static_cast<std::size_t>(i)] - upright.pivot(), upright.axis);
     const double sine = sine_of_lean(widest, count);
     if (!(sine < widest_lean))
         throw SceneError({scene.file.string()}, "parachute.count",
@@ -89,6 +89,12 @@ Scene scene_of_canopy(const Scene& scene, int k) {
     const double count = chute.count;
     one.payload.mass /= count;
     if (one.payload.drag_area) *one.payload.drag_area /= count;
+    if (const auto& table = scene.payload.drag_area_table) {
+        std::vector<double> area = table->area();
+        for (double& x : area)
+            x /= count;
+        one.payload.drag_area_table.emplace(table->file(), table->angle(), std::move(area));
+    }
     chute.lag =
         chute.lag.empty() ? std::vector<double>{} : std::vector{chute.lag[static_cast<std::size_t>(k)]};
     if (k < chute.skips_reefing) chute.reefing.clear();
@@ -220,7 +226,7 @@ void Cluster::settle(std::size_t first, const std::function<bool()>& stop) {
         Simulation& canopy = *canopies_[k];
         canopy.settle(stop);
         for (const NodeRecord& node : canopy.canopy_nodes().node)
-            widen(widest, to_vec3(node.x - canopy.payload().x), canopy.mesh().axis);
+            widen(widest, to_vec3(node.x) - canopy.pivot(), canopy.mesh().axis);
     }
     if (count > 1) {  // under load they are wider than they were made
         const Vec3 axis = trailing_direction(scene_of_all(first));
@@ -315,11 +321,15 @@ Lanes Cluster::mean_of(Force&& force) const {
 
 void Cluster::share_pulls(double kick, int subcycles) {
     const Lanes mean = mean_of([&](std::size_t i) { return canopies_[out_[i]]->payload_load(); });
+    const Vec3 torque =
+        to_vec3(mean_of([&](std::size_t i) { return to_lanes(canopies_[out_[i]]->payload_torque()); }));
     for (const std::size_t k : out_) {
         Simulation& canopy = *canopies_[k];
-        const double power = sum3((mean - canopy.payload_load()) * canopy.payload().v);
+        const double power = sum3((mean - canopy.payload_load()) * canopy.payload().v) +
+                             (torque - canopy.payload_torque()).dot(canopy.payload_spin());
         canopy.add_outer_work(kick * power, power / subcycles);
         canopy.payload_load() = mean;
+        canopy.set_payload_torque(torque);
     }
 }
 

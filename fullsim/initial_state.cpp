@@ -72,9 +72,11 @@ Mesh first_mesh(const Scene& scene, const Inflation& inflation, MassScaling& sca
 Mesh turned(Mesh mesh, const Eigen::Quaterniond& by) {
     if (by.angularDistance(Eigen::Quaterniond::Identity()) == 0.0) return mesh;
     const Eigen::Matrix3d turn = by.toRotationMatrix();
-    for (auto* positions : {&mesh.position, &mesh.attachments, &mesh.static_line.position})
+    const Vec3 pivot = mesh.pivot(), payload = mesh.position[mesh.payload()];
+    for (auto* positions : {&mesh.position, &mesh.static_line.position})
         for (Vec3& x : *positions)
-            x = turn * x;
+            x = pivot + turn * (x - pivot);
+    mesh.position[mesh.payload()] = payload;
     mesh.axis = turn * mesh.axis;
     return mesh;
 }

@@ -24,7 +24,7 @@ Inflation first_inflation(const Scene& scene);
 /// Mesh at release, with the masses that `full.mass_scaling` adds; `scaling` says what it did.
 Mesh first_mesh(const Scene& scene, const Inflation& inflation, MassScaling& scaling);
 
-/// The mesh with its nodes turned about the payload.
+/// The mesh turned about the point where it meets the payload, which stays as it is.
 Mesh turned(Mesh mesh, const Eigen::Quaterniond& by);
 
 /// Nodes at release with the scene's noise, at the release's velocity; the anchor of a static line at its

@@ -64,11 +64,16 @@ void RigidBody::move(State& state, double kick, double dt) const {
         state.force[attachment(k)].value = state.aero[attachment(k)].value = splat(0.0);
 }
 
+Vec3 RigidBody::spin_of(const BodyState& body) const {
+    const Eigen::Matrix3d frame = turn_of(body).toRotationMatrix();
+    const Vec3 own = frame.transpose() * body.momentum;
+    return frame * own.cwiseQuotient(moments_);
+}
+
 void RigidBody::place(State& state) const {
     const BodyState& body = *state.body;
     const Eigen::Matrix3d frame = turn_of(body).toRotationMatrix();
-    const Vec3 own = frame.transpose() * body.momentum;
-    const Vec3 spin = frame * own.cwiseQuotient(moments_);
+    const Vec3 spin = spin_of(body);
     const NodeRecord& centre = state.node[nodes().payload];
     for (std::size_t k = 0; k < attachments_.size(); ++k) {
         const std::size_t i = attachment(k);

@@ -36,6 +36,8 @@ public:
     /// The attachments and their velocities from the payload's node and state.body.
     void place(State& state) const;
 
+    Vec3 spin(const State& state) const override { return spin_of(*state.body); }
+
     /// [J] of the turning.
     double inner_energy(const State& state) const override { return turning_energy(*state.body); }
     double turning_energy(const BodyState& body) const;
@@ -50,6 +52,8 @@ public:
     double critical_step(double riser) const;
 
 private:
+    Vec3 spin_of(const BodyState& body) const;
+
     double mass_;   // [kg]
     Vec3 moments_;  // [kg m^2]
     std::vector<Vec3> attachments_;

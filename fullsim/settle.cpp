@@ -48,16 +48,27 @@ void Simulation::settle(const std::function<bool()>& stop) {
     settled_ = *settled || passing > hardly_loaded * time_scale();
     const Eigen::Matrix3d turn =
         frame_along(trailing_direction(scene_)) * frame_along(trailing_direction(falling)).transpose();
-    take_shape_of(copy, turn_ * Eigen::Quaterniond(turn));
+    take_shape_of(copy, Eigen::Quaterniond(turn));
+    lean(turn_);
     element_steps_ += copy.element_steps_;
     clock_.add(copy.clock_);
 }
 
 void Simulation::turn_to(const Eigen::Quaterniond& turn) {
-    const Eigen::Quaterniond by = turn * turn_.conjugate();
-    mesh_ = turned(std::move(mesh_), by);
-    take_shape_of(*this, by);
-    turn_ = turn;
+    lean(turn * std::exchange(turn_, turn).conjugate());
+}
+
+Vec3 Simulation::pivot() const {
+    return to_vec3(state_.node[mesh_.attachments.size() == 1 ? mesh_.first_attachment() : mesh_.payload()].x);
+}
+
+/// Turns the parachute about its pivot, before the first step.
+void Simulation::lean(const Eigen::Quaterniond& turn) {
+    State& s = state_;
+    const Vec3 about = pivot();
+    for (NodeIndex i = 0; i < mesh_.payload(); ++i)
+        s.node[i].x = to_lanes(about + turn * (to_vec3(s.node[i].x) - about));
+    begin_with_shape();
 }
 
 /// All comes to rest where its kinetic energy is largest, until that is small. Whether it is within the
@@ -124,9 +135,14 @@ void Simulation::take_shape_of(const Simulation& settled, const Eigen::Quaternio
     const double before = kinetic_energy(s, constants_);
     s.added_mass = from.added_mass;
     s.energy.kinetic_start += kinetic_energy(s, constants_) - before;
-    layout_->begin(s, structure_, loads_, body_.get());
-    update_sums(s, constants_);
-    update_air(s, scene_.environment, mesh_.payload(), constants_.system_mass, 0.0);
+    begin_with_shape();
+}
+
+/// Of the state as it is now.
+void Simulation::begin_with_shape() {
+    layout_->begin(state_, structure_, loads_, body_.get());
+    update_sums(state_, constants_);
+    update_air(state_, scene_.environment, mesh_.payload(), constants_.system_mass, 0.0);
     begin_shape();
 }
 

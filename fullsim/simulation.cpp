@@ -40,7 +40,7 @@ Simulation::Simulation(const Scene& scene, const LayoutMaker& layout, std::span<
       steps_(scene, mesh_, constants_),
       turn_(turn) {
     state_.phase = first_phase(scene, inflation_);
-    if (body_) body_->start(state_, mesh_.axis);
+    if (body_) body_->start(state_, turn.conjugate() * mesh_.axis);
     if (scene.parachutes.front().deploy.starts_packed()) {
         state_.stage = stages_of(scene).front();
         state_.fe_weight = scene.full.structure == Structure::fe ? 1.0 : 0.0;
@@ -165,6 +165,13 @@ void Simulation::follow_payload_of(const Simulation& other) {
     const NodeIndex here = mesh_.payload(), there = other.mesh_.payload();
     state_.node[here] = other.state_.node[there];
     state_.v_half[here] = other.state_.v_half[there];
+    if (!body_) return;
+    state_.body = other.state_.body;
+    for (NodeIndex k = 0; k < static_cast<NodeIndex>(mesh_.attachments.size()); ++k) {
+        const NodeIndex mine = mesh_.first_attachment() + k, its = other.mesh_.first_attachment() + k;
+        state_.node[mine] = other.state_.node[its];
+        state_.v_half[mine] = other.state_.v_half[its];
+    }
 }
 
 void Simulation::meet_others(double frequency) {

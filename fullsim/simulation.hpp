@@ -32,7 +32,7 @@ public:
     }
 
     /// The parachute at the scene's release: packed, at line stretch (t_s = 0) or open. `blocks`: the rows
-    /// that its force blocks are chosen from. `turn`: of all of it about the payload, at the start.
+    /// that its force blocks are chosen from. `turn`: of all of it about Mesh::pivot, at the start.
     explicit Simulation(const Scene& scene, const LayoutMaker& layout = layout_of_one_thread,
                         std::span<const ForceBlock> blocks = force_blocks(),
                         const Eigen::Quaterniond& turn = Eigen::Quaterniond::Identity());
@@ -76,7 +76,7 @@ public:
     Lanes& payload_load() { return state_.force[mesh_.payload()].value; }
     /// As Layout::add_outer_work.
     void add_outer_work(double work, double power) { layout_->add_outer_work(work, power); }
-    /// Takes place and velocity of the payload from another simulation of it.
+    /// Takes place, velocity and attitude of the payload from another simulation of it.
     void follow_payload_of(const Simulation& other);
     /// The next step is a first one, as after a change of stage: velocities count from now, not from half a
     /// step before. Evaluates the forces anew.
@@ -98,8 +98,16 @@ public:
     /// air that goes along with it, and comes to rest whenever its motion is strongest, until that is weak. A
     /// fault in it, or `stop`, leaves everything as it is.
     void settle(const std::function<bool()>& stop);
-    /// Another turn about the payload than the one at the start, before the first step.
+    /// Another turn than that at the start, before the first step.
     void turn_to(const Eigen::Quaterniond& turn);
+    /// Place [m] of Mesh::pivot now.
+    Vec3 pivot() const;
+    /// Torque of the risers [N m] on a payload that turns, and what it has of a velocity [rad/s].
+    Vec3 payload_torque() const { return body_ ? state_.body->torque : Vec3::Zero(); }
+    Vec3 payload_spin() const { return body_ ? body_->spin(state_) : Vec3::Zero(); }
+    void set_payload_torque(const Vec3& torque) {
+        if (body_) state_.body->torque = torque;
+    }
     /// Whether settling came to its end, for a canopy that begins under load.
     bool has_settled() const { return settled_; }
     /// Nodes of the canopy may be pushed from outside by forces as stiff as `frequency` [1/s] over their
@@ -218,6 +226,8 @@ private:
     double mean_kinetic() const;
     void come_to_rest();
     void take_shape_of(const Simulation& settled, const Eigen::Quaterniond& turn);
+    void lean(const Eigen::Quaterniond& turn);
+    void begin_with_shape();
     void change_stage(Stage stage);
     void build_blocks();
     /// The air as the nodes meet it at system().time.

@@ -83,6 +83,8 @@ public:
     NodeIndex first_static_line_node() const {
         return first_attachment() + static_cast<NodeIndex>(attachments.size());
     }
+    /// Where risers meet the payload [m], as position: one attachment point of a body, or the payload itself.
+    Vec3 pivot() const { return attachments.size() == 1 ? attachments.front() : Vec3::Zero(); }
     bool is_canopy(NodeIndex i) const { return i < canopy_nodes; }
     const Cord& cord(CableKind kind) const { return cords[static_cast<std::size_t>(kind)]; }
 

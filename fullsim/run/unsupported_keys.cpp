@@ -37,7 +37,13 @@ std::vector<std::string> unsupported_keys(const Scene& scene) {
     const Parachute& chute = scene.parachutes.front();
     std::vector<std::string> keys;
     // Canopies of a cluster lean, and meet at one point.
-    if (chute.count > 1 && scene.payload.body) keys.emplace_back("payload.body.shape");
+    if (chute.count > 1 && scene.payload.body) {
+        if (scene.payload.body->elasticity) keys.emplace_back("payload.body.elasticity");
+        if (scene.payload.body->shape == PayloadBody::Shape::mesh)
+            keys.emplace_back("payload.body.shape");
+        else if (chute.risers > 1)
+            keys.emplace_back("parachute.risers");
+    }
     if (chute.count > 1 && scene.full.symmetry == Symmetry::sector) keys.emplace_back("full.symmetry");
     if (!chute.lag.empty() && chute.filling.is_predicted()) keys.emplace_back("parachute.lag");
     if (chute.filling.is_predicted()) {
