@@ -19,9 +19,8 @@ namespace {
 constexpr double damping = 20.0;        // of what is faster than a canopy breathes
 constexpr double between_looks = 0.02;  // shorter than a canopy breathes, longer than lines ring
 constexpr double longest = 8.0;         // it takes 1 to 4
-constexpr double settled_share = 3e-4;  // of kinetic to elastic energy, which leaves forces 1 % to go at most
-constexpr double hardly_loaded =
-    2.0;  // over that of the steady canopy: three fourths of its load are to come
+constexpr double settled_share = 3e-4;  // of kinetic to elastic energy: forces have 1 % to go at most
+constexpr double hardly_loaded = 2.0;   // over that of the steady canopy: three fourths of its load will come
 
 /// Straight down through still air at the airspeed of the release, and damped.
 Scene upright(Scene scene, double unit) {

@@ -50,6 +50,12 @@ struct RunView {
             if (of(canopies[k].system()) > of(canopies[worst].system())) worst = k;
         return canopies[worst];
     }
+    /// Whether all of its canopies that begin open had settled.
+    bool has_settled() const {
+        for (std::size_t k = first; k < first + count; ++k)
+            if (!canopies[k].has_settled()) return false;
+        return true;
+    }
     const Parachute& parachute() const { return scene.parachutes.front(); }
     bool packed() const { return parachute().deploy.starts_packed(); }
     bool inflated() const { return parachute().deploy.by == DeployBy::inflated; }

@@ -68,7 +68,7 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
                 "damps it",
                 "take it for a snatch force, or give full.alpha a value");
     }
-    if (!run.simulation().has_settled())
+    if (!run.has_settled())
         warn("the open canopy had not settled into its shape when it was released",
              "dynamic relaxation did not come to rest: fabric and lines ring as they take their load",
              "take no load from the start of this run");
