@@ -1,7 +1,5 @@
 #include "fullsim/run/unsupported_keys.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <string_view>
 
@@ -9,7 +7,6 @@
 #include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "lib/scene/needs.hpp"
-#include "lib/scene/scene_error.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -44,10 +41,7 @@ std::vector<std::string> unsupported_keys(const Scene& scene) {
         if (scene.payload.body->shape == PayloadBody::Shape::mesh)
             keys.emplace_back("payload.body.shape");
         else if (chute.risers > 1)
-            throw SceneError(
-                {scene.file.string()}, "parachute.risers",
-                fmt::format("{} risers of each of {} canopies on payload.body", chute.risers, chute.count),
-                "canopies of a cluster lean, and meet at one point of a body", "write parachute.risers = 1");
+            keys.emplace_back("parachute.risers");  // canopies lean, and meet at one point
     }
     if (chute.count > 1 && scene.full.symmetry == Symmetry::sector) keys.emplace_back("full.symmetry");
     if (!chute.lag.empty() && chute.filling.is_predicted()) keys.emplace_back("parachute.lag");

@@ -25,6 +25,8 @@ std::string unsupported_text(const Scene& scene, const std::vector<std::string>&
             named += " (predicted: its balance of air knows no open middle and no vent that is held down)";
         for (const CrossRefusal& refusal : cross_refusals(scene))
             if (refusal.key == key) named += fmt::format(" ({})", refusal.why);
+        if (!needed && key == "parachute.risers")
+            named += " (canopies of a cluster meet at one point of payload.body: write 1)";
         if (needed && key == "parachute.geometric_porosity")
             named += fmt::format(" (of vent and slots of a {} canopy; the vent alone has {:.3g} %)",
                                  chute.type->title,
