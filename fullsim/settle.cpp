@@ -118,7 +118,8 @@ void Simulation::come_to_rest() {
     begin_shape();
 }
 
-/// Begins with the shape and the added mass of a simulation of the same mesh, turned about the payload.
+/// Takes shape and added mass of a simulation of the same mesh, turned about the payload; lean begins with
+/// them.
 void Simulation::take_shape_of(const Simulation& settled, const Eigen::Quaterniond& turn) {
     const State& from = settled.synchronised();
     State& s = state_;
@@ -134,10 +135,9 @@ void Simulation::take_shape_of(const Simulation& settled, const Eigen::Quaternio
     const double before = kinetic_energy(s, constants_);
     s.added_mass = from.added_mass;
     s.energy.kinetic_start += kinetic_energy(s, constants_) - before;
-    begin_with_shape();
 }
 
-/// Of the state as it is now.
+/// Layout, sums, air and ledger begin with the nodes of the state.
 void Simulation::begin_with_shape() {
     layout_->begin(state_, structure_, loads_, body_.get());
     update_sums(state_, constants_);

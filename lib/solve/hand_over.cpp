@@ -50,8 +50,8 @@ bool has_event(const RunRecord& record, const Scene& scene, const Parachute& chu
     return record.find_event(one ? std::string(name) : fmt::format("{}.{}", chute.name, name)) != nullptr;
 }
 
-/// What channels of the only one of several parachutes that flies on begin with: of the rest they are those
-/// of the whole. Nothing where several fly on, or the scene has one.
+/// Prefix of the channels of the only one of several parachutes that flies on: in the rest of the fall they
+/// are those of the whole. Nothing where several fly on, or the scene has one.
 std::optional<std::string> prefix_of_the_only_one(const RunRecord& record, const Scene& scene) {
     const auto flies_on = [&](const Parachute& chute) { return !has_event(record, scene, chute, "cut"); };
     if (scene.parachutes.size() == 1 || std::ranges::count_if(scene.parachutes, flies_on) != 1) return {};

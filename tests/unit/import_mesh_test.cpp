@@ -77,13 +77,14 @@ TEST(ImportMesh, FollowsLinesThatComeTogether) {
     for (const char* version : {"2.2", "4.1"}) {
         const ImportedMesh got = import(sketch.text(version));
         ASSERT_EQ(got.lines.size(), 4u);
-        const double leg = 3.0, trunk = std::sqrt(6.0);  // of (2, 1, 2), (1, 1, 2)
+        // From (3, 0, 5) to (1, 1, 3) and on to (0, 0, 1).
+        const double own = 3.0, shared = std::sqrt(6.0);
         const NodeIndex link = got.lines[2].node.back(), fork = got.lines[0].node[1];
         EXPECT_EQ(got.lines[0].node, (std::vector<NodeIndex>{1, fork, link}));
         EXPECT_EQ(got.lines[1].node, (std::vector<NodeIndex>{2, fork, link}));
         EXPECT_EQ(got.lines[2].node, (std::vector<NodeIndex>{3, link}));
         for (const std::size_t k : {0u, 1u})
-            EXPECT_NEAR(got.lines[k].length(), leg + trunk, 1e-14);
+            EXPECT_NEAR(got.lines[k].length(), own + shared, 1e-14);
         for (const Cable& c : got.mesh.cables)
             EXPECT_EQ(c.strands, c.kind == CableKind::riser ? 3.0 : 1.0);
         EXPECT_EQ(std::ranges::count(got.mesh.cables, CableKind::line, &Cable::kind), 5);

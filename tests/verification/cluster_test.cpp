@@ -94,8 +94,8 @@ TEST(Clusters, TheyCarryOnePayload) {
 }
 
 TEST(Clusters, AngularMomentumIsKeptOverABodyThatTurns) {
-    // In vacuum, about the centre of mass of all: gravity has no moment there. Canopies with noise and lag
-    // pull unevenly, the body turns; rounding is what is left.
+    // In vacuum, about the centre of mass of all: gravity has no moment there. Canopies with noise pull
+    // unevenly, the body turns; rounding is what is left.
     Scene scene = on_a_box(cluster_of(2));
     scene.full.line_substeps = 1;
     scene.release.path_angle = 0.3;
@@ -130,8 +130,8 @@ TEST(Clusters, AngularMomentumIsKeptOverABodyThatTurns) {
 }
 
 TEST(Clusters, TheLedgerOfEachPartOfABodyCloses) {
-    // What the others do to its part by force and by torque is work from outside. Of two canopies one fills
-    // half a second later and the body hangs far below the point where they meet: it swings and turns.
+    // Force and torque of the others on its part are work from outside. One of two canopies fills half a
+    // second later, and the body hangs far below the point where they meet: it swings and turns.
     Scene scene = on_a_box(cluster_of(2));
     scene.payload.body->size = {0.6, 0.6, 4.0};
     scene.full.mesh = {2, 9, 5, 2};
@@ -147,7 +147,7 @@ TEST(Clusters, TheLedgerOfEachPartOfABodyCloses) {
 
 TEST(Clusters, ABodyTakesTheLoadThatAPointMassDoes) {
     // Straight down on one point above its centre: nothing turns it, and lines are as long as above a point
-    // mass. It hangs half a metre lower, which the altitude of nobody's air knows: 0.5 %.
+    // mass. It hangs 0.3 m lower, and rounding starts other folds: 0.5 %.
     Scene scene = cluster_of(2);
     scene.full.mesh = {2, 9, 5, 2};
     scene.stop = {Trigger::Kind::time, 2.0, 0.0};

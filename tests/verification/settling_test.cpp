@@ -41,8 +41,8 @@ bool says_unsettled(const RunRecord& record) {
     });
 }
 
-/// [N] on the payload of a rigid body that falls straight down: m_l (D + M_a g)/(m + M_a), the weight
-/// of all m and m_l of the payload but for its share of g, which is in m_l g on both sides.
+/// [N] on the payload m_l of a rigid body m that falls straight down, with added mass M_a that has no weight:
+/// m_l (D + M_a g)/(m + M_a).
 double rigid_force(const Scene& scene, double speed) {
     Simulation start(scene);
     start.settle([] { return false; });
@@ -56,8 +56,7 @@ double rigid_force(const Scene& scene, double speed) {
 class Settling : public testing::TestWithParam<double> {};
 
 TEST_P(Settling, TheFirstForceIsThatOfARigidBody) {
-    // M_a of the settled shape. 1 %: what the relaxation leaves (0.3 %), and the mean of the riser's two
-    // ends.
+    // M_a of the settled shape. 1 %: what the relaxation leaves.
     const Scene scene = open_c9(GetParam());
     const RunRecord record = test::run_full(scene);
     EXPECT_NEAR(first(record, "force_raw") / rigid_force(scene, GetParam()), 1.0, 0.01);
@@ -91,8 +90,8 @@ TEST(Settled, AtTheSteadySpeedTheForceStaysTheWeight) {
 }
 
 TEST(Settled, OnlyTheAirspeedMattersAndTheShapeIsTurnedAgainstIt) {
-    // The first row: the same areas to rounding, the axis of the canopy along the air. With a wind, aslant,
-    // and both.
+    // The first row: the same area and force to rounding, the axis of the canopy along the air; aslant, and
+    // in a wind.
     const Scene down = open_c9(12.0);
     const RunRecord straight = test::run_full(down);
     Scene aslant = down, upwind = down;
