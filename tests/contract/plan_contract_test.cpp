@@ -274,6 +274,24 @@ TEST(PlanContract, ForeseesTheStepsOfADropFromThePack) {
     expect_foreseen(scene);
 }
 
+TEST(PlanContract, AnOpenCanopySettlesBeforeItIsReleased) {
+    // For 2 D0/v; a run does for 1 to 4, and counts its elements, which here are of 8 runs or more.
+    Scene scene = coarse(test::c9_scene());
+    Parachute& chute = scene.parachutes.front();
+    chute.deploy.by = DeployBy::inflated;
+    scene.release.speed = 10.0;
+    scene.stop = {Trigger::Kind::time, 0.1, 0.0};
+    const Plan plan = plan_of(scene);
+    ASSERT_EQ(plan.stages.size(), 2u);
+    EXPECT_EQ(plan.stages[0].name, "settling");
+    EXPECT_NEAR(plan.stages[0].begin, -2.0 * chute.nominal_diameter / scene.release.speed, 1e-12);
+    EXPECT_EQ(plan.stages[0].end, 0.0);
+    EXPECT_GT(plan.stages[0].steps, 8.0 * plan.stages[1].steps);
+    const Cost cost = test::run_full(scene).cost;
+    const auto triangles = static_cast<std::int64_t>(fullsim::Simulation(scene).mesh().triangles.size());
+    EXPECT_GT(cost.element_steps, 8 * cost.steps * triangles);
+}
+
 TEST(PlanContract, AnEndThatNobodyKnowsIsNotInvented) {
     PlanBasis basis;
     basis.probe = 0.01;
