@@ -4,10 +4,12 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include "fullsim/deformable_body.hpp"
 #include "fullsim/forces/tetrahedra.hpp"
 #include "fullsim/rigid_body.hpp"
+#include "fullsim/solid.hpp"
 #include "lib/scene/scene_error.hpp"
 
 namespace twinchute::fullsim {
@@ -45,6 +47,21 @@ Eigen::Matrix3d principal_axes(const Lumped& body) {
 Vec3 body_axis(const BodyState& state, const Eigen::Matrix3d& principal_axes) {
     const Eigen::Quaterniond turn(state.attitude[0], state.attitude[1], state.attitude[2], state.attitude[3]);
     return turn * Vec3(principal_axes.row(2).transpose());
+}
+
+double tilt(const Vec3& axis) {
+    return std::atan2(std::hypot(axis.x(), axis.y()), axis.z());
+}
+
+double attitude_in_air(const Vec3& axis, const Vec3& airspeed) {
+    // The air goes past it the other way; from both products the angle is right near 0 and pi, too.
+    return std::atan2(axis.cross(airspeed).norm(), -axis.dot(airspeed));
+}
+
+std::optional<Vec3> moments_of_payload(const Scene& scene) {
+    const auto& body = scene.payload.body;
+    if (!body || body->elasticity || body->shape == PayloadBody::Shape::mesh) return std::nullopt;
+    return Vec3(lump(solid_of(make_solid(*body, 1)), scene.payload.mass).inertia.diagonal());
 }
 
 }  // namespace twinchute::fullsim

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "fullsim/forces/force_model.hpp"
@@ -22,8 +23,11 @@ class Body {
 public:
     virtual ~Body() = default;
 
-    /// As it hangs along `axis` at the start, at rest: what of it is in state.body.
-    virtual void start(State& state, const Vec3& axis) const = 0;
+    /// As it hangs at the start, at rest: what of it is in state.body. The columns of `frame` are its own x, y
+    /// and z.
+    virtual void start(State& state, const Eigen::Matrix3d& frame) const = 0;
+    /// The attachments of a rigid one, and their velocities, from the payload's node and state.body.
+    virtual void place(State&) const {}
 
     /// Adds what the risers pull at its attachments [N] to the force on the payload's node, right after they
     /// have pulled.
@@ -71,7 +75,18 @@ std::unique_ptr<const Body> make_body(const Scene& scene, const Mesh& mesh);
 /// A body's own x, y and z as columns, along its principal axes.
 Eigen::Matrix3d principal_axes(const Lumped& body);
 
-/// Unit vector from the foot of a body to its head, as its attitude [unit quaternion] has turned it.
-Vec3 body_axis(const BodyState& state, const Eigen::Matrix3d& principal_axes);
+/// Unit vector from the foot of a body to its head, as its attitude [unit quaternion] has turned it. Principal
+/// axes of a box or a cylinder are its own.
+Vec3 body_axis(const BodyState& state, const Eigen::Matrix3d& principal_axes = Eigen::Matrix3d::Identity());
+
+/// [rad] between the axis of a body and the vertical: 0 where its head is up.
+double tilt(const Vec3& axis);
+
+/// [rad] between the axis of a body and the air that goes past it, which it moves through at `airspeed`.
+double attitude_in_air(const Vec3& axis, const Vec3& airspeed);
+
+/// [kg m^2] of a scene's box or cylinder, along its own axes, with the mass of the payload alone; none where
+/// the payload does not turn as a rigid one of these.
+std::optional<Vec3> moments_of_payload(const Scene& scene);
 
 }  // namespace twinchute::fullsim

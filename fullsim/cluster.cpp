@@ -76,6 +76,17 @@ double lean_of(const Scene& scene, const Mesh& upright) {
     return std::asin(sine);
 }
 
+/// Drag of one of so many parts of a payload.
+void share_drag(const Payload& whole, double count, Payload& part) {
+    if (whole.drag_area) part.drag_area = *whole.drag_area / count;
+    if (const auto& table = whole.drag_area_table) {
+        std::vector<double> area = table->area();
+        for (double& x : area)
+            x /= count;
+        part.drag_area_table.emplace(table->file(), table->angle(), std::move(area));
+    }
+}
+
 }  // namespace
 
 double outward_lean(const Scene& scene) {
@@ -88,13 +99,7 @@ Scene scene_of_canopy(const Scene& scene, int k) {
     Parachute& chute = one.parachutes.front();
     const double count = chute.count;
     one.payload.mass /= count;
-    if (one.payload.drag_area) *one.payload.drag_area /= count;
-    if (const auto& table = scene.payload.drag_area_table) {
-        std::vector<double> area = table->area();
-        for (double& x : area)
-            x /= count;
-        one.payload.drag_area_table.emplace(table->file(), table->angle(), std::move(area));
-    }
+    share_drag(scene.payload, count, one.payload);
     chute.lag =
         chute.lag.empty() ? std::vector<double>{} : std::vector{chute.lag[static_cast<std::size_t>(k)]};
     if (k < chute.skips_reefing) chute.reefing.clear();
@@ -124,6 +129,7 @@ Scene scene_in_flight(const Scene& scene, std::size_t parachute, const PayloadFl
     one.release.time = at.time;
     one.release.east = at.position.x();
     one.release.north = at.position.y();
+    if (at.body) one.release.attitude = at.body->attitude;
     // As in scene_of_canopy: no canopy of one run is that of a neighbouring seed.
     if (one.full.noise) one.full.noise->seed += 0x9E3779B97F4A7C15u * parachute;
     return one;
@@ -135,6 +141,7 @@ Cluster::Cluster(const Scene& scene, const Simulation::LayoutMaker& layout, int 
       staged_(has_stages(scene)),
       alone_(released_payload(scene)),
       step_to_(alone_),
+      moments_(staged_ ? moments_of_payload(scene) : std::nullopt),
       payload_mass_(alone_.mass),
       tuner_(std::min(threads, canopies_of(scene))) {
     const int count = scene.parachutes.front().count;
@@ -185,7 +192,20 @@ void Cluster::add_canopies(const Scene& scene) {
 PayloadFlight Cluster::payload() const {
     if (out_.empty()) return alone_;
     const NodeRecord& node = front().payload();
-    return {time(), to_vec3(node.x), to_vec3(node.v), payload_mass_};
+    PayloadFlight whole{time(), to_vec3(node.x), to_vec3(node.v), payload_mass_};
+    whole.body = front().system().body;
+    if (whole.body) whole.body->momentum *= static_cast<double>(out_.size());
+    return whole;
+}
+
+/// One of `count` even parts of a payload, but for the mass of its node.
+PayloadPart Cluster::part_of(const PayloadFlight& payload, double count) const {
+    PayloadPart part{0.0, payload.velocity};
+    if (!moments_) return part;
+    part.moments = *moments_ / count;
+    part.body = BodyState{payload.body->attitude};
+    part.body->momentum = part.body->half_momentum = payload.body->momentum / count;
+    return part;
 }
 
 bool Cluster::was_checked() const {
@@ -204,17 +224,21 @@ std::size_t Cluster::join(std::size_t parachute, double left) {
     for (std::size_t k = first; k < size(); ++k) {
         members_.push_back(
             {departures_.size() - 1, canopies_[k]->payload_node_mass() - made_[k]->payload.mass});
-        canopies_[k]->begin_at(now.position, now.velocity, step);
+        canopies_[k]->begin_at(now.position, part_of(now, 1.0), step);
     }
-    if (out_.size() == 1) {
+    if (out_.size() == 1 && !moments_) {
         front().evaluate_forces();
         return first;
     }
-    // A mortar throws the payload back, with what all others carry of their risers.
-    Vec3 thrown = now.velocity;
-    for (std::size_t k = first; k < size(); ++k)
-        thrown += canopies_[k]->payload_node_mass() / payload_nodes_mass() *
-                  (to_vec3(canopies_[k]->payload().v) - now.velocity);
+    // A mortar throws the payload back, with what all others carry of their risers, and turns a body.
+    PayloadFlight thrown = now;
+    for (std::size_t k = first; k < size(); ++k) {
+        const Simulation& canopy = *canopies_[k];
+        const Vec3 more = to_vec3(canopy.payload().v) - now.velocity;
+        thrown.velocity += canopy.payload_node_mass() / payload_nodes_mass() * more;
+        if (thrown.body)
+            thrown.body->momentum += canopy.payload_node_mass() * (canopy.riser_end() - now.position).cross(more);
+    }
     share_payload(thrown);
     return first;
 }
@@ -242,9 +266,9 @@ void Cluster::leave(std::size_t first) {
     const PayloadFlight now = payload();
     steps_before_ = step();
     std::erase_if(out_, [&](std::size_t k) { return members_[k].departure == members_[first].departure; });
-    if (!out_.empty()) return share_payload(now.velocity);
+    if (!out_.empty()) return share_payload(now);
     alone_ = now;
-    alone_.acceleration = free_acceleration(scene_, now.mass, now.position, now.velocity);
+    alone_.acceleration = free_acceleration(scene_, now);
     step_to_ = alone_;
 }
 
@@ -258,14 +282,15 @@ double Cluster::payload_nodes_mass() const {
 
 /// An even share of the payload, with all that it carries, for each that is out. Nodes that are to move as
 /// one under even forces have to weigh the same.
-void Cluster::share_payload(const Vec3& velocity) {
+void Cluster::share_payload(const PayloadFlight& payload) {
     const auto count = static_cast<double>(out_.size());
-    const double node_mass = payload_nodes_mass() / count;
+    PayloadPart part = part_of(payload, count);
+    part.node_mass = payload_nodes_mass() / count;
     for (const std::size_t k : out_) {
-        Payload& part = made_[k]->payload;
-        part.mass = payload_mass_ / count;
-        if (part.drag_area) part.drag_area = *scene_.payload.drag_area / count;
-        canopies_[k]->bear(node_mass, velocity);
+        made_[k]->payload.mass = payload_mass_ / count;
+        share_drag(scene_.payload, count, made_[k]->payload);
+        members_[k].parts = count;
+        canopies_[k]->bear(part);
     }
 }
 
@@ -488,6 +513,11 @@ void Cluster::serialize_members(Archive& archive) {
         for (Vec3* vector : {&flight->position, &flight->velocity, &flight->acceleration})
             for (double& x : *vector)
                 archive.number("payload alone", x);
+        if (!moments_) continue;
+        for (double& x : flight->body->attitude)
+            archive.number("payload's attitude", x);
+        for (double& x : flight->body->momentum)
+            archive.number("payload's angular momentum", x);
     }
     archive.whole("steps alone", steps_alone_, 0);
     archive.whole("steps before", steps_before_, 0);
@@ -507,18 +537,25 @@ void Cluster::serialize_members(Archive& archive) {
              {&all.release.altitude, &all.release.speed, &all.release.path_angle, &all.release.heading,
               &all.release.time, &all.release.east, &all.release.north, &all.payload.mass})
             archive.number("parachute", *x);
+        if (moments_ && archive.reads()) all.release.attitude.emplace();
+        if (moments_)
+            for (double& x : *all.release.attitude)
+                archive.number("payload's attitude", x);
         if (archive.reads()) add_canopies(all);
         for (std::size_t k = first; k < first + static_cast<std::size_t>(all.parachutes.front().count); ++k) {
-            if (archive.reads()) members_.push_back({d, 0.0});
-            Payload& part = made_[k]->payload;
+            if (archive.reads()) members_.push_back({d});
+            Member& member = members_[k];
+            Payload& payload = made_[k]->payload;
             double node_mass = canopies_[k]->payload_node_mass();
             bool out = is_out(k);
-            for (double* x : {&members_[k].riser_mass, &node_mass, &part.mass})
+            for (double* x : {&member.riser_mass, &member.parts, &node_mass, &payload.mass})
                 archive.number("canopy", *x);
-            archive.number("payload's drag area", part.drag_area);
             archive.flag("is out", out);
             if (!archive.reads()) continue;
-            canopies_[k]->weigh_payload(node_mass);
+            share_drag(scene_.payload, member.parts, payload);
+            PayloadPart part = part_of(alone_, member.parts);
+            part.node_mass = node_mass;
+            canopies_[k]->weigh_payload(part);
             if (!out) std::erase(out_, k);
         }
     }

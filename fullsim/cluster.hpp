@@ -130,7 +130,8 @@ public:
 private:
     void add_canopies(const Scene& scene);
     double payload_nodes_mass() const;
-    void share_payload(const Vec3& velocity);
+    PayloadPart part_of(const PayloadFlight& payload, double count) const;
+    void share_payload(const PayloadFlight& payload);
     void fly_alone(double end);
     void serialize_members(Archive& archive);
     template <class Work>
@@ -157,12 +158,14 @@ private:
     struct Member {
         std::size_t departure = 0;
         double riser_mass = 0.0;  // [kg] that the payload's node carries of its risers
+        double parts = 1.0;       // that the payload is parted into, as last borne
     };
     std::vector<Member> members_;
     std::vector<std::size_t> out_;
     // While none is out. The flight takes steps of its own, each from the end of the last one. Rows in
     // between lead nowhere: the flight goes on from that end, however many there are.
     PayloadFlight alone_, step_to_;
+    std::optional<Vec3> moments_;    // [kg m^2] of a payload that is a body, without packs
     std::int64_t steps_alone_ = 0;   // that a row ends, or the flight itself
     std::int64_t steps_before_ = 0;  // of canopies that were out before
     bool checked_alone_ = false;

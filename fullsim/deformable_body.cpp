@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "fullsim/laws/node.hpp"
-#include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/time/critical_step.hpp"
 
 namespace twinchute::fullsim {
@@ -55,8 +54,8 @@ void DeformableBody::weigh_rows(const BodyMesh& body, const SolidLaw& law) {
     }
 }
 
-void DeformableBody::start(State& state, const Vec3& axis) const {
-    const Eigen::Quaterniond turn(Eigen::Matrix3d(frame_along(axis) * principal_));
+void DeformableBody::start(State& state, const Eigen::Matrix3d& frame) const {
+    const Eigen::Quaterniond turn(Eigen::Matrix3d(frame * principal_));
     state.body = BodyState{{turn.w(), turn.x(), turn.y(), turn.z()}};
 }
 

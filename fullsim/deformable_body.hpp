@@ -14,7 +14,7 @@ public:
     DeformableBody(BodyNodes nodes, std::vector<double> masses, const BodyMesh& body, const SolidLaw& law,
                    double gravity);
 
-    void start(State& state, const Vec3& axis) const override;
+    void start(State& state, const Eigen::Matrix3d& frame) const override;
     void pull(State& state) const override;
     /// The central difference scheme, as for all other nodes. Tetrahedra and gravity act on them as one
     /// impulse, risers in the subcycles; what else acts on the payload's node, air and damping, moves them

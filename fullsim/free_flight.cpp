@@ -1,16 +1,20 @@
 #include "fullsim/free_flight.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <stdexcept>
 
+#include "fullsim/mesh/attach_payload.hpp"
+#include "fullsim/mesh/start.hpp"
+#include "fullsim/rigid_body.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/solve/sundials.hpp"
 
 namespace twinchute::fullsim {
 namespace {
 
-constexpr double tolerance = 1e-10;  // relative, and of metres and metres per second
+constexpr double tolerance = 1e-10;  // relative, and of metres, metres per second and a quaternion
 
 Vec3 vector_at(std::span<const double> y, std::size_t first) {
     return {y[first], y[first + 1], y[first + 2]};
@@ -23,39 +27,65 @@ PayloadFlight released_payload(const Scene& scene) {
     for (const Parachute& chute : scene.parachutes)
         mass += chute.count * chute.mass;
     const Vec3 position(0.0, 0.0, scene.release.altitude), velocity = velocity_over_ground(scene.release);
-    return {0.0, position, velocity, mass, free_acceleration(scene, mass, position, velocity)};
+    PayloadFlight payload{0.0, position, velocity, mass};
+    if (moments_of_payload(scene)) {
+        const Eigen::Quaterniond turn(frame_along(start_axis(scene)));
+        payload.body = BodyState{{turn.w(), turn.x(), turn.y(), turn.z()}};
+    }
+    payload.acceleration = free_acceleration(scene, payload);
+    return payload;
 }
 
-Vec3 free_acceleration(const Scene& scene, double mass, const Vec3& position, const Vec3& velocity) {
+Vec3 free_acceleration(const Scene& scene, const PayloadFlight& payload) {
     Vec3 acceleration = -scene.environment.gravity * Vec3::UnitZ();
     if (!scene.payload.drag_area) return acceleration;
-    Vec3 airspeed = velocity;
-    if (scene.environment.wind) airspeed -= scene.environment.wind->at(position.z());
-    const double density = scene.environment.atmosphere.at(position.z()).density;
-    return acceleration - 0.5 * density * *scene.payload.drag_area / mass * airspeed.norm() * airspeed;
+    const double altitude = payload.position.z();
+    Vec3 airspeed = payload.velocity;
+    if (scene.environment.wind) airspeed -= scene.environment.wind->at(altitude);
+    double drag_area = *scene.payload.drag_area;
+    if (const auto& table = scene.payload.drag_area_table; table && payload.body)
+        drag_area = table->drag_area(attitude_in_air(body_axis(*payload.body), airspeed));
+    const double density = scene.environment.atmosphere.at(altitude).density;
+    return acceleration - 0.5 * density * drag_area / payload.mass * airspeed.norm() * airspeed;
 }
 
 PayloadFlight fly_free(const Scene& scene, const PayloadFlight& from, double end, const FlightWatch& watch) {
-    std::array<double, 6> start{};
-    for (int c = 0; c < 3; ++c) {
-        start[static_cast<std::size_t>(c)] = from.position[c];
-        start[static_cast<std::size_t>(c) + 3] = from.velocity[c];
+    std::vector<double> start;
+    for (const Vec3* vector : {&from.position, &from.velocity})
+        start.insert(start.end(), vector->begin(), vector->end());
+    std::optional<RigidBody> body;
+    if (from.body) {
+        start.insert(start.end(), from.body->attitude.begin(), from.body->attitude.end());
+        body.emplace(BodyNodes{}, from.mass, moments_of_payload(scene).value(), std::vector<Vec3>{});
     }
     const auto flight_at = [&](double t, std::span<const double> y) {
-        const Vec3 position = vector_at(y, 0), velocity = vector_at(y, 3);
-        return PayloadFlight{t, position, velocity, from.mass,
-                             free_acceleration(scene, from.mass, position, velocity)};
+        PayloadFlight now = from;
+        now.time = t;
+        now.position = vector_at(y, 0);
+        now.velocity = vector_at(y, 3);
+        if (now.body) {
+            const Eigen::Vector4d turn = Eigen::Map<const Eigen::Vector4d>(y.data() + 6).normalized();
+            std::ranges::copy(turn, now.body->attitude.begin());
+        }
+        now.acceleration = free_acceleration(scene, now);
+        return now;
     };
     OdeSolver solver(
         explicit_methods().front(),
         [&](double t, std::span<const double> y, std::span<double> rates) {
             const PayloadFlight now = flight_at(t, y);
-            for (int c = 0; c < 3; ++c) {
-                rates[static_cast<std::size_t>(c)] = now.velocity[c];
-                rates[static_cast<std::size_t>(c) + 3] = now.acceleration[c];
-            }
+            std::ranges::copy(now.velocity, rates.begin());
+            std::ranges::copy(now.acceleration, rates.begin() + 3);
+            if (!now.body) return;
+            // dq/dt = 1/2 (0, spin) q, with the angular momentum that nothing changes.
+            const auto& q = now.body->attitude;
+            const Vec3 spin = 0.5 * body->spin_of(*now.body);
+            const Eigen::Quaterniond rate =
+                Eigen::Quaterniond(0.0, spin.x(), spin.y(), spin.z()) * Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
+            std::ranges::copy(std::array{rate.w(), rate.x(), rate.y(), rate.z()}, rates.begin() + 6);
         },
-        from.time, start, tolerance, std::vector<double>(start.size(), tolerance), 3);
+        from.time, start, tolerance, std::vector<double>(start.size(), tolerance),
+        from.body ? 0 : 3);
     if (watch)
         solver.watch(static_cast<int>(watch(from).size()),
                      [&](double t, std::span<const double> y, std::span<double> values) {

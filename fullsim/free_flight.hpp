@@ -1,9 +1,11 @@
-// Flight of the payload under no canopy: a point mass with its own drag.
+// Flight of the payload under no canopy: a point mass with its own drag, or a rigid body that nothing turns.
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
+#include "fullsim/state.hpp"
 #include "lib/math/vec.hpp"
 #include "lib/scene/scene.hpp"
 
@@ -15,13 +17,14 @@ struct PayloadFlight {
     Vec3 position, velocity;           ///< [m], [m/s] over ground
     double mass = 0.0;                 ///< [kg] with all packs that it carries
     Vec3 acceleration = Vec3::Zero();  ///< [m/s^2]
+    std::optional<BodyState> body = {};  ///< how it turns, of a rigid payload.body
 };
 
-/// The payload as the scene releases it, with all its packs.
+/// The payload as the scene releases it, with all its packs. A body hangs straight behind the first parachute.
 PayloadFlight released_payload(const Scene& scene);
 
-/// Its acceleration [m/s^2]: weight and drag.
-Vec3 free_acceleration(const Scene& scene, double mass, const Vec3& position, const Vec3& velocity);
+/// Its acceleration [m/s^2]: weight and drag, at the attitude of a body where the scene has a table of it.
+Vec3 free_acceleration(const Scene& scene, const PayloadFlight& payload);
 
 /// Functions of the flight each of which ends it in the first moment at which it has changed its sign.
 using FlightWatch = std::function<std::vector<double>(const PayloadFlight&)>;

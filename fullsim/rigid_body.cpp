@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fullsim/mesh/attach_payload.hpp"
-
 namespace twinchute::fullsim {
 namespace {
 
@@ -22,8 +20,8 @@ RigidBody::RigidBody(BodyNodes nodes, double mass, const BodyMesh& body)
         attachments_.emplace_back(principal_.transpose() * place);
 }
 
-void RigidBody::start(State& state, const Vec3& axis) const {
-    const Eigen::Quaterniond turn(Eigen::Matrix3d(frame_along(axis) * principal_));
+void RigidBody::start(State& state, const Eigen::Matrix3d& frame) const {
+    const Eigen::Quaterniond turn(Eigen::Matrix3d(frame * principal_));
     state.body = BodyState{{turn.w(), turn.x(), turn.y(), turn.z()}};
 }
 

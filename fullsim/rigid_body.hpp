@@ -20,8 +20,7 @@ public:
     const std::vector<Vec3>& attachments() const { return attachments_; }
     const Vec3& moments() const { return moments_; }
 
-    /// The body's z axis along `axis`, x along its unitOrthogonal, as meshes are drawn out.
-    void start(State& state, const Vec3& axis) const override;
+    void start(State& state, const Eigen::Matrix3d& frame) const override;
 
     /// Sets the torque of state.body as well.
     void pull(State& state) const override;
@@ -33,8 +32,7 @@ public:
     void move(State& state, double kick, double dt) const override;
     void finish(State& state, double) const override { place(state); }
 
-    /// The attachments and their velocities from the payload's node and state.body.
-    void place(State& state) const;
+    void place(State& state) const override;
 
     Vec3 spin(const State& state) const override { return spin_of(*state.body); }
 
@@ -51,9 +49,10 @@ public:
     }
     double critical_step(double riser) const;
 
-private:
+    /// [rad/s]
     Vec3 spin_of(const BodyState& body) const;
 
+private:
     double mass_;   // [kg]
     Vec3 moments_;  // [kg m^2]
     std::vector<Vec3> attachments_;

@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "fullsim/initial_state.hpp"
+#include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "fullsim/serialize_state.hpp"
 #include "fullsim/time/aero_reference.hpp"
@@ -40,7 +41,7 @@ Simulation::Simulation(const Scene& scene, const LayoutMaker& layout, std::span<
       steps_(scene, mesh_, constants_),
       turn_(turn) {
     state_.phase = first_phase(scene, inflation_);
-    if (body_) body_->start(state_, turn.conjugate() * mesh_.axis);
+    if (body_) body_->start(state_, frame_at_start(scene.release, turn.conjugate() * mesh_.axis));
     if (scene.parachutes.front().deploy.starts_packed()) {
         state_.stage = stages_of(scene).front();
         state_.fe_weight = scene.full.structure == Structure::fe ? 1.0 : 0.0;
@@ -132,17 +133,35 @@ void Simulation::start_anew() {
     evaluate_forces();
 }
 
-void Simulation::begin_at(const Vec3& position, const Vec3& velocity, std::int64_t step) {
+void Simulation::begin_at(const Vec3& position, const PayloadPart& part, std::int64_t step) {
     NodeRecord& payload = state_.node[mesh_.payload()];
     payload.x = to_lanes(position);
-    payload.v += to_lanes(velocity - velocity_over_ground(scene_.release));
+    payload.v += to_lanes(part.velocity - velocity_over_ground(scene_.release));
     state_.v_half[mesh_.payload()].value = payload.v;
     state_.step = stored_step_ = first_step_ = step;
+    if (body_) {
+        make_body_of(part);
+        turn_body(part);
+        state_.energy.kinetic_start += turning();
+        layout_->begin(state_, structure_, loads_, body_.get());
+        begin_shape();
+    }
     update_sums(state_, constants_);
 }
 
-void Simulation::weigh_payload(double node_mass) {
-    mesh_.mass[mesh_.payload()] = node_mass;
+void Simulation::make_body_of(const PayloadPart& part) {
+    mesh_.body->lumped.inertia = part.moments.value().asDiagonal();
+    body_ = make_body(scene_, mesh_);
+}
+
+void Simulation::turn_body(const PayloadPart& part) {
+    state_.body = part.body;
+    body_->place(state_);
+}
+
+void Simulation::weigh_payload(const PayloadPart& part) {
+    mesh_.mass[mesh_.payload()] = part.node_mass;
+    if (body_) make_body_of(part);
     constants_ = node_constants(mesh_, scene_.environment.gravity);
     update_sums(state_, constants_);
     steps_.weigh(constants_);
@@ -151,13 +170,14 @@ void Simulation::weigh_payload(double node_mass) {
     steps_.refresh(state_, step_inputs());
 }
 
-void Simulation::bear(double node_mass, const Vec3& velocity) {
+void Simulation::bear(const PayloadPart& part) {
     fullsim::start_anew(synchronised());
-    const double before = kinetic_energy(state_, constants_);
+    const double before = kinetic_energy(state_, constants_) + turning();
     const NodeIndex payload = mesh_.payload();
-    state_.node[payload].v = state_.v_half[payload].value = to_lanes(velocity);
-    weigh_payload(node_mass);
-    state_.energy.external_work += kinetic_energy(state_, constants_) - before;
+    state_.node[payload].v = state_.v_half[payload].value = to_lanes(part.velocity);
+    weigh_payload(part);
+    if (body_) turn_body(part);
+    state_.energy.external_work += kinetic_energy(state_, constants_) + turning() - before;
     evaluate_forces();
 }
 
@@ -167,11 +187,16 @@ void Simulation::follow_payload_of(const Simulation& other) {
     state_.v_half[here] = other.state_.v_half[there];
     if (!body_) return;
     state_.body = other.state_.body;
-    for (NodeIndex k = 0; k < static_cast<NodeIndex>(mesh_.attachments.size()); ++k) {
-        const NodeIndex mine = mesh_.first_attachment() + k, its = other.mesh_.first_attachment() + k;
-        state_.node[mine] = other.state_.node[its];
-        state_.v_half[mine] = other.state_.v_half[its];
-    }
+    body_->place(state_);
+}
+
+Vec3 Simulation::riser_end() const {
+    if (!body_) return to_vec3(payload().x);
+    Vec3 sum = Vec3::Zero();
+    const auto first = static_cast<std::size_t>(mesh_.first_attachment());
+    for (std::size_t k = 0; k < mesh_.attachments.size(); ++k)
+        sum += to_vec3(state_.node[first + k].x);
+    return sum / static_cast<double>(mesh_.attachments.size());
 }
 
 void Simulation::meet_others(double frequency) {

@@ -22,6 +22,14 @@
 
 namespace twinchute::fullsim {
 
+/// Part of a payload that one of several parachutes carries.
+struct PayloadPart {
+    double node_mass = 0.0;                  ///< [kg] of the payload's node: also half an element of each riser
+    Vec3 velocity = Vec3::Zero();            ///< [m/s]
+    std::optional<Vec3> moments = {};        ///< [kg m^2] of a box or a cylinder, along its own axes,
+    std::optional<BodyState> body = {};      ///< and how it turns
+};
+
 class Simulation {
 public:
     using LayoutMaker =
@@ -83,15 +91,14 @@ public:
     void start_anew();
     /// [kg] of the payload's node: it also carries half an element of each riser.
     double payload_node_mass() const { return mesh_.mass[mesh_.payload()]; }
-    /// Bears another payload from now on, as the scene says by now: its node weighs `node_mass` [kg] and
-    /// moves at `velocity` [m/s]. What that changes of the kinetic energy is booked as work from outside. A
-    /// first step follows, as after start_anew.
-    void bear(double node_mass, const Vec3& velocity);
-    /// Begins as step number `step` of a run, with the payload at this place and velocity, which the scene's
-    /// release has but for rounding.
-    void begin_at(const Vec3& position, const Vec3& velocity, std::int64_t step);
-    /// As bear, at the start of a simulation, whose ledger begins with it.
-    void weigh_payload(double node_mass);
+    /// Bears another part of a payload from now on, as the scene says by now. What that changes of the kinetic
+    /// energy is booked as work from outside. A first step follows, as after start_anew.
+    void bear(const PayloadPart& part);
+    /// Begins as step number `step` of a run, with the payload at this place and its motion, which the scene's
+    /// release has but for rounding; a body of it turns.
+    void begin_at(const Vec3& position, const PayloadPart& part, std::int64_t step);
+    /// As bear, at the start of a simulation, whose ledger begins with it, and without the motion.
+    void weigh_payload(const PayloadPart& part);
 
     /// Gives a canopy that begins open the shape that it flies with; without it fabric and lines would begin
     /// without strain and take their load at once. A copy of the parachute falls on, straight and alone, in
@@ -102,6 +109,8 @@ public:
     void turn_to(const Eigen::Quaterniond& turn);
     /// Place [m] of Mesh::pivot now.
     Vec3 pivot() const;
+    /// [m] middle of where the risers end.
+    Vec3 riser_end() const;
     /// Torque of the risers [N m] on a payload that turns, and what it has of a velocity [rad/s].
     Vec3 payload_torque() const { return body_ ? state_.body->torque : Vec3::Zero(); }
     Vec3 payload_spin() const { return body_ ? body_->spin(state_) : Vec3::Zero(); }
@@ -228,6 +237,8 @@ private:
     void take_shape_of(const Simulation& settled, const Eigen::Quaterniond& turn);
     void lean(const Eigen::Quaterniond& turn);
     void begin_with_shape();
+    void make_body_of(const PayloadPart& part);
+    void turn_body(const PayloadPart& part);
     void change_stage(Stage stage);
     void build_blocks();
     /// The air as the nodes meet it at system().time.

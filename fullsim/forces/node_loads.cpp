@@ -78,10 +78,7 @@ public:
         const Vec3 v = to_vec3(state.node[payload_].v) - state.air.wind_at_payload;
         const double speed = v.norm();
         if (!(speed > 0.0)) return;
-        const Vec3 axis = body_axis(*state.body, axes_);
-        // The air goes past it along -v; from both products the angle is right near 0 and pi, too.
-        const double angle = std::atan2(axis.cross(v).norm(), -axis.dot(v));
-        const double drag_area = table_.drag_area(angle);
+        const double drag_area = table_.drag_area(attitude_in_air(body_axis(*state.body, axes_), v));
         state.aero[payload_].value -= to_lanes(0.5 * state.air.density * drag_area * speed * v);
     }
 

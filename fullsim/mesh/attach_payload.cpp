@@ -165,21 +165,32 @@ Eigen::Matrix3d frame_along(const Vec3& axis) {
     return frame;
 }
 
+Eigen::Matrix3d frame_at_start(const Release& release, const Vec3& axis) {
+    if (!release.attitude) return frame_along(axis);
+    const auto& q = *release.attitude;
+    return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
+}
+
 void attach_payload(const Scene& scene, Mesh& mesh, Hang hang) {
     const std::vector<RiserChain> chains = chains_of(mesh);
-    const Eigen::Matrix3d frame =
-        hang == Hang::as_made ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : frame_along(mesh.axis);
+    const Eigen::Matrix3d frame = hang == Hang::as_made ? Eigen::Matrix3d(Eigen::Matrix3d::Identity())
+                                                        : frame_at_start(scene.release, mesh.axis);
     if (!mesh.body) mesh.body = body_of_scene(scene, mesh, chains, frame);
     const BodyMesh& body = *mesh.body;
     for (const Vec3& place : body.attachments())
         mesh.attachments.push_back(frame * place);
     const auto end_of = [&](std::size_t k) { return static_cast<std::size_t>(body.place_of(k)); };
+    Vec3 beside = Vec3::Zero();
     if (body.middle) {
         // As the file has it: its centre may lie beside the axis of the parachute.
-        const Vec3 beside = frame * Vec3(body.middle->x(), body.middle->y(), 0.0);
-        for (NodeIndex i = 0; i < mesh.payload(); ++i)
-            mesh.position[i] += beside;
+        beside = frame * Vec3(body.middle->x(), body.middle->y(), 0.0);
+    } else if (scene.release.attitude) {
+        const Vec3 middle = std::accumulate(mesh.attachments.begin(), mesh.attachments.end(), beside) /
+                            static_cast<double>(mesh.attachments.size());
+        beside = middle - middle.dot(mesh.axis) * mesh.axis;
     }
+    for (NodeIndex i = 0; i < mesh.payload(); ++i)
+        mesh.position[i] += beside;
     const bool packed = hang == Hang::packed;
     double lift = packed ? 0.0 : std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < chains.size(); ++k) {

@@ -15,13 +15,16 @@ enum class Hang {
 
 /// From one point below all risers to a place for each on the body, whose centre of mass takes the payload's
 /// node. Risers keep the length that they have, straight to their attachments, and all above moves along the
-/// axis as far as that asks for. Risers of an imported body end where its file says; those of a scene's shape
+/// axis as far as that asks for, and across it to above the attachments of a body that has turned already. Risers of an imported body end where its file says; those of a scene's shape
 /// go, in the order of their azimuths, to the attachments nearest to where their lines lead, whatever the
 /// order of the mesh. Throws SceneError at payload.body.size where risers do not reach, at payload.body.shape
 /// where their number does not fit.
 void attach_payload(const Scene& scene, Mesh& mesh, Hang hang);
 
-/// Directions of the body's own x, y and z in the world, as it hangs at the start along `axis`.
+/// Directions of the body's own x, y and z in the world, as it hangs along `axis`.
 Eigen::Matrix3d frame_along(const Vec3& axis);
+
+/// The same at the start: as the release says, otherwise along `axis`.
+Eigen::Matrix3d frame_at_start(const Release& release, const Vec3& axis);
 
 }  // namespace twinchute::fullsim

@@ -19,15 +19,6 @@
 namespace twinchute::fullsim {
 namespace {
 
-/// The trailing direction turned by the pitch in the vertical plane of the release; a release straight
-/// down, or at rest, turns toward its heading.
-Vec3 pack_axis(const Scene& scene) {
-    const Vec3 behind = trailing_direction(scene);
-    const Vec3 heading = heading_direction(scene.release);
-    const Vec3 across = Vec3::UnitZ().cross(heading);
-    return Eigen::AngleAxisd(scene.parachutes.front().deploy.pitch, across) * behind;
-}
-
 /// Opening force [N] at the instant of line stretch: that of payload and parachute as one rigid
 /// body, m_l (D + M_a g)/(m + M_a) along the lines: gravity pulls the payload out of the air, too.
 double load_at_start(const Scene& scene, const Inflation& inflation, Phase phase) {
@@ -153,10 +144,16 @@ Vec3 trailing_direction(const Scene& scene) {
     return velocity.norm() > 0.0 ? Vec3(-velocity.normalized()) : Vec3::UnitZ();
 }
 
+Vec3 start_axis(const Scene& scene) {
+    const Vec3 behind = trailing_direction(scene);
+    const auto& deploy = scene.parachutes.front().deploy;
+    if (!deploy.starts_packed()) return behind;
+    const Vec3 across = Vec3::UnitZ().cross(heading_direction(scene.release));
+    return Eigen::AngleAxisd(deploy.pitch, across) * behind;
+}
+
 Mesh unloaded_mesh(const Scene& scene) {
-    const bool packed = scene.parachutes.front().deploy.starts_packed();
-    return drawn_out(scene, packed ? pack_axis(scene) : trailing_direction(scene),
-                     mouth_area_at_line_stretch(scene.parachutes.front()), 0.0);
+    return drawn_out(scene, start_axis(scene), mouth_area_at_line_stretch(scene.parachutes.front()), 0.0);
 }
 
 void pack(Mesh& mesh, double ratio) {

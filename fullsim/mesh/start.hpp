@@ -14,12 +14,17 @@ Scene weighed(const Scene& scene);
 /// Unit vector straight behind the release, against the flight through the air; up where there is none.
 Vec3 trailing_direction(const Scene& scene);
 
+/// The same turned by the pitch of a pack in the vertical plane of the release, apex up; a release straight
+/// down, or at rest, turns toward its heading. Of a parachute that starts packed, otherwise the trailing
+/// direction itself.
+Vec3 start_axis(const Scene& scene);
+
 /// The parachute as it is made, without any strain: the generated one (make_constructed_mesh), an imported
 /// one as its file has it.
 Mesh built_mesh(const Scene& scene);
 
 /// The parachute drawn out along its axis without any load, mouth as at line stretch: the shape that is
-/// packed. The axis of a pack is turned from the trailing direction by its pitch, apex up.
+/// packed.
 Mesh unloaded_mesh(const Scene& scene);
 
 /// Collapses a drawn-out parachute onto the confluence: every distance from it times `ratio` (paper, 4).

@@ -226,6 +226,7 @@ HistoryRow FullRun::row_alone() const {
     row.airspeed = flight.airspeed;
     row.density = flight.density;
     row.turns = 1.0;
+    if (payload.body) row.tilt = tilt(body_axis(*payload.body));
     return row;
 }
 

@@ -7,6 +7,8 @@
 #include <span>
 #include <utility>
 
+#include "fullsim/body.hpp"
+
 namespace twinchute::fullsim {
 namespace {
 
@@ -188,6 +190,7 @@ void Observer::add_row(const State& state) {
     if (!strengths_.empty())
         row.utilisation_p90 = stress_p90(
             state, mesh_, laws_, rows_.empty() ? 0.0 : rows_.back().utilisation_p90, sectors_, strengths_);
+    if (state.body) row.tilt = tilt(body_axis(*state.body, principal_axes(mesh_.body->lumped)));
     add_row(row);
 }
 
@@ -298,13 +301,13 @@ void Observer::serialize(Archive& archive) {
     archive.rows("rows", rows_, [](HistoryRow& row, auto&& each) {
         auto& [time, position, velocity, force, force_raw, acceleration, drag_area, dynamic_pressure,
                pressure, airspeed, projected_area, signed_area, added_mass, seam_diameter, depth, turns,
-               density, volume, mouth_area, inflow_ratio, stress_p90, utilisation_p90, impulse] = row;
+               density, volume, mouth_area, inflow_ratio, stress_p90, utilisation_p90, tilt, impulse] = row;
         each(position), each(velocity);
         for (double* x :
              {&time,       &force,           &force_raw,      &acceleration, &drag_area,  &dynamic_pressure,
               &pressure,   &airspeed,        &projected_area, &signed_area,  &added_mass, &seam_diameter,
               &depth,      &turns,           &density,        &volume,       &mouth_area, &inflow_ratio,
-              &stress_p90, &utilisation_p90, &impulse})
+              &stress_p90, &utilisation_p90, &tilt,           &impulse})
             each(*x);
     });
     archive.whole("unsettled", unsettled_, 0, rows_.size());
@@ -354,6 +357,7 @@ std::vector<Channel> Observer::channels() const {
         channel("mouth_area", "m^2", [](const Row& r) { return r.mouth_area; });
         channel("inflow_ratio", "", [](const Row& r) { return r.inflow_ratio; });
     }
+    if (mesh_.body) channel("payload_tilt", "rad", [](const Row& r) { return r.tilt; });
     return all;
 }
 

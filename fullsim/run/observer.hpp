@@ -26,6 +26,7 @@ struct HistoryRow {
     double volume, mouth_area, inflow_ratio;  // as InflowState; zero where filling is prescribed
     double stress_p90;                        // [N/m] as stress_p90(), the largest of the rows so far
     double utilisation_p90;                   // [-] likewise, over the strength of each fabric
+    double tilt;                              // [rad] of a payload that turns, from the vertical
     double impulse;                           // [N s] of the force, step by step, so far
 };
 

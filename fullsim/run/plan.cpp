@@ -398,6 +398,7 @@ std::optional<PartOfFlight> part_of_flight(const Scene& scene, std::size_t parac
     if (taut) {
         at.position.z() = taut->altitude;
         at.velocity = -taut->speed * Vec3::UnitZ();
+        at.body.reset();  // it hangs straight, as far as a plan knows
     }
     PartOfFlight part{scene_in_flight(scene, parachute, at), {}};
     part.scene.release.time = 0.0;

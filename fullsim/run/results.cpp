@@ -524,6 +524,9 @@ void fill_results_of_stages(const StagesView& run, std::span<const RunView> para
         record.left_out.push_back({"contact of one parachute with another",
                                    "they pass through each other where one is drawn out past another"});
     }
+    if (scene.payload.body)
+        record.left_out.push_back({"the inertia of packs on the payload",
+                                   "until they come out they weigh on its centre of mass and do not turn"});
     leave_out_air_between(scene, record);
     for (const RunView& one : parachutes)
         leave_out_masses(one, record);

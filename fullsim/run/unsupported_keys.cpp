@@ -15,11 +15,17 @@ namespace {
 /// several.
 std::vector<std::string> unsupported_in_stages(const Scene& scene) {
     std::vector<std::string> keys;
-    if (scene.payload.body) keys.emplace_back("payload.body.shape");
+    if (const auto& body = scene.payload.body) {
+        if (body->elasticity) keys.emplace_back("payload.body.elasticity");
+        if (body->shape == PayloadBody::Shape::mesh) keys.emplace_back("payload.body.shape");
+    }
     if (scene.full.symmetry == Symmetry::sector) keys.emplace_back("full.symmetry");
     const PayloadFlight start = released_payload(scene);
     for (std::size_t p = 0; p < scene.parachutes.size(); ++p) {
         std::vector<std::string> own = unsupported_keys(scene_in_flight(scene, p, start));
+        // It has settled over a body that hangs straight, as this one may not.
+        if (scene.payload.body && scene.parachutes[p].deploy.by == DeployBy::inflated)
+            own.emplace_back("parachute.deploy.by");
         for (std::string& key : own) {
             constexpr std::string_view head = "parachute.";
             if (scene.parachutes.size() > 1 && key.starts_with(head))

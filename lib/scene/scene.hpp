@@ -3,6 +3,7 @@
 // array and no branch in any inner loop; choices are enums or pointers to rows of model tables.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -83,6 +84,9 @@ struct Release {
     // Where and when a parachute of the full model leaves its pack; zero in the release of a scene.
     double time = 0.0;               ///< [s]
     double east = 0.0, north = 0.0;  ///< [m]
+    /// How payload.body has turned by then: unit quaternion w x y z, its axes to x y z. Absent: it hangs
+    /// straight behind the parachute.
+    std::optional<std::array<double, 4>> attitude = {};
 
     bool operator==(const Release&) const = default;
 };

@@ -25,8 +25,10 @@ std::string unsupported_text(const Scene& scene, const std::vector<std::string>&
             named += " (predicted: its balance of air knows no open middle and no vent that is held down)";
         for (const CrossRefusal& refusal : cross_refusals(scene))
             if (refusal.key == key) named += fmt::format(" ({})", refusal.why);
-        if (!needed && key == "parachute.risers")
+        if (!needed && key.ends_with(".risers"))
             named += " (canopies of a cluster meet at one point of payload.body: write 1)";
+        if (key.ends_with(".deploy.by"))
+            named += " (a canopy that starts open has settled over a payload.body that hangs straight)";
         if (needed && key == "parachute.geometric_porosity")
             named += fmt::format(" (of vent and slots of a {} canopy; the vent alone has {:.3g} %)",
                                  chute.type->title,

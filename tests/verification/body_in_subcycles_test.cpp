@@ -8,6 +8,7 @@
 
 #include "fullsim/deformable_body.hpp"
 #include "fullsim/forces/tetrahedra.hpp"
+#include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/rigid_body.hpp"
 #include "fullsim/time/subcycling.hpp"
 
@@ -45,7 +46,7 @@ public:
         state_.v_half.assign(count, {splat(0.0)});
         state_.force.clear(count);
         state_.aero.clear(count);
-        body_->start(state_, Vec3::UnitZ());
+        body_->start(state_, frame_along(Vec3::UnitZ()));
         const Vec3 spin(3.0, 0.5, 1.0);
         place(canopy, Vec3(0.2, 0.1, 2.9), Vec3(0.5, -1.0, 2.0));
         place(link, Vec3(0.1, 0.3, 1.6), Vec3(1.0, 0.0, -0.5));

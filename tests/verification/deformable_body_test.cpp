@@ -253,9 +253,8 @@ struct Tumbling {
         constants.mass = {30.0};
         constants.share = {0.0};
         constants.canopy_mass = constants.system_mass = 30.0;
-        body.start(state, Vec3::UnitZ());
-        // Drawn along the world's axes here, not along frame_along.
-        state.body->attitude = {1.0, 0.0, 0.0, 0.0};
+        body.start(state, Eigen::Matrix3d::Identity());
+        state.body->attitude = {1.0, 0.0, 0.0, 0.0};  // along the world's axes, not the principal ones
     }
     void spin(const Vec3& rate) {
         for (std::size_t i = 0; i < solid.node.size(); ++i)

@@ -147,11 +147,10 @@ TEST_P(StagesOf, MomentumIsKeptAsParachutesJoinAndLeave) {
     const auto fly = [&](double seconds) {
         const double end = cluster.time() + seconds;
         while (cluster.time() < end) {
-            cluster.evaluate_forces();
             cluster.step_to(end);
             ASSERT_FALSE(cluster.fault()) << cluster.fault()->detail;
+            cluster.evaluate_forces();  // once at each instant: those of a join or a leave have been
         }
-        cluster.evaluate_forces();
     };
     // Meshes weigh what they do, which is not what the scene says: the payload gives the parachute that.
     const auto weight = [&](std::size_t k) { return cluster[k].mesh().parachute_mass(); };
