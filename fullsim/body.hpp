@@ -23,8 +23,8 @@ class Body {
 public:
     virtual ~Body() = default;
 
-    /// As it hangs at the start, at rest: what of it is in state.body. The columns of `frame` are its own x, y
-    /// and z.
+    /// As it hangs at the start, at rest: what of it is in state.body. The columns of `frame` are its own x,
+    /// y and z.
     virtual void start(State& state, const Eigen::Matrix3d& frame) const = 0;
     /// The attachments of a rigid one, and their velocities, from the payload's node and state.body.
     virtual void place(State&) const {}
@@ -75,8 +75,8 @@ std::unique_ptr<const Body> make_body(const Scene& scene, const Mesh& mesh);
 /// A body's own x, y and z as columns, along its principal axes.
 Eigen::Matrix3d principal_axes(const Lumped& body);
 
-/// Unit vector from the foot of a body to its head, as its attitude [unit quaternion] has turned it. Principal
-/// axes of a box or a cylinder are its own.
+/// Unit vector from the foot of a body to its head, as its attitude [unit quaternion] has turned it.
+/// Principal axes of a box or a cylinder are its own.
 Vec3 body_axis(const BodyState& state, const Eigen::Matrix3d& principal_axes = Eigen::Matrix3d::Identity());
 
 /// [rad] between the axis of a body and the vertical: 0 where its head is up.

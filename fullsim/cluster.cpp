@@ -237,7 +237,8 @@ std::size_t Cluster::join(std::size_t parachute, double left) {
         const Vec3 more = to_vec3(canopy.payload().v) - now.velocity;
         thrown.velocity += canopy.payload_node_mass() / payload_nodes_mass() * more;
         if (thrown.body)
-            thrown.body->momentum += canopy.payload_node_mass() * (canopy.riser_end() - now.position).cross(more);
+            thrown.body->momentum +=
+                canopy.payload_node_mass() * (canopy.riser_end() - now.position).cross(more);
     }
     share_payload(thrown);
     return first;

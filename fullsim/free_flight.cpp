@@ -80,12 +80,11 @@ PayloadFlight fly_free(const Scene& scene, const PayloadFlight& from, double end
             // dq/dt = 1/2 (0, spin) q, with the angular momentum that nothing changes.
             const auto& q = now.body->attitude;
             const Vec3 spin = 0.5 * body->spin_of(*now.body);
-            const Eigen::Quaterniond rate =
-                Eigen::Quaterniond(0.0, spin.x(), spin.y(), spin.z()) * Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
+            const Eigen::Quaterniond rate = Eigen::Quaterniond(0.0, spin.x(), spin.y(), spin.z()) *
+                                            Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
             std::ranges::copy(std::array{rate.w(), rate.x(), rate.y(), rate.z()}, rates.begin() + 6);
         },
-        from.time, start, tolerance, std::vector<double>(start.size(), tolerance),
-        from.body ? 0 : 3);
+        from.time, start, tolerance, std::vector<double>(start.size(), tolerance), from.body ? 0 : 3);
     if (watch)
         solver.watch(static_cast<int>(watch(from).size()),
                      [&](double t, std::span<const double> y, std::span<double> values) {

@@ -13,14 +13,15 @@ namespace twinchute::fullsim {
 
 /// The payload at one instant.
 struct PayloadFlight {
-    double time = 0.0;                 ///< [s]
-    Vec3 position, velocity;           ///< [m], [m/s] over ground
-    double mass = 0.0;                 ///< [kg] with all packs that it carries
-    Vec3 acceleration = Vec3::Zero();  ///< [m/s^2]
+    double time = 0.0;                   ///< [s]
+    Vec3 position, velocity;             ///< [m], [m/s] over ground
+    double mass = 0.0;                   ///< [kg] with all packs that it carries
+    Vec3 acceleration = Vec3::Zero();    ///< [m/s^2]
     std::optional<BodyState> body = {};  ///< how it turns, of a rigid payload.body
 };
 
-/// The payload as the scene releases it, with all its packs. A body hangs straight behind the first parachute.
+/// The payload as the scene releases it, with all its packs. A body hangs straight behind the first
+/// parachute.
 PayloadFlight released_payload(const Scene& scene);
 
 /// Its acceleration [m/s^2]: weight and drag, at the attitude of a body where the scene has a table of it.

@@ -26,6 +26,7 @@ constexpr double hardly_loaded = 2.0;   // over that of the steady canopy: three
 Scene upright(Scene scene, double unit) {
     scene.release.speed = release_airspeed(scene).norm();
     scene.release.path_angle = 0.5 * pi;
+    scene.release.attitude.reset();
     scene.environment.wind.reset();
     scene.full.alpha = std::max(scene.full.alpha, damping / unit);
     return scene;
@@ -127,7 +128,12 @@ void Simulation::take_shape_of(const Simulation& settled, const Eigen::Quaternio
     for (std::size_t i = 0; i < s.node.size(); ++i)
         if (static_cast<NodeIndex>(i) != mesh_.dummy())
             s.node[i].x = to_lanes(here + turn * (to_vec3(from.node[i].x) - there));
-    if (s.body) {
+    if (s.body && scene_.release.attitude) {  // the parachute goes to where this body has its attachments
+        body_->place(s);
+        const Lanes shift = to_lanes(riser_end() - here - turn * (settled.riser_end() - there));
+        for (NodeIndex i = 0; i < mesh_.payload(); ++i)
+            s.node[i].x += shift;
+    } else if (s.body) {
         const auto& q = from.body->attitude;
         const Eigen::Quaterniond turned = turn * Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
         s.body->attitude = {turned.w(), turned.x(), turned.y(), turned.z()};

@@ -24,10 +24,10 @@ namespace twinchute::fullsim {
 
 /// Part of a payload that one of several parachutes carries.
 struct PayloadPart {
-    double node_mass = 0.0;                  ///< [kg] of the payload's node: also half an element of each riser
-    Vec3 velocity = Vec3::Zero();            ///< [m/s]
-    std::optional<Vec3> moments = {};        ///< [kg m^2] of a box or a cylinder, along its own axes,
-    std::optional<BodyState> body = {};      ///< and how it turns
+    double node_mass = 0.0;              ///< [kg] of the payload's node: also half an element of each riser
+    Vec3 velocity = Vec3::Zero();        ///< [m/s]
+    std::optional<Vec3> moments = {};    ///< [kg m^2] of a box or a cylinder, along its own axes,
+    std::optional<BodyState> body = {};  ///< and how it turns
 };
 
 class Simulation {
@@ -91,11 +91,11 @@ public:
     void start_anew();
     /// [kg] of the payload's node: it also carries half an element of each riser.
     double payload_node_mass() const { return mesh_.mass[mesh_.payload()]; }
-    /// Bears another part of a payload from now on, as the scene says by now. What that changes of the kinetic
-    /// energy is booked as work from outside. A first step follows, as after start_anew.
+    /// Bears another part of a payload from now on, as the scene says by now. What that changes of the
+    /// kinetic energy is booked as work from outside. A first step follows, as after start_anew.
     void bear(const PayloadPart& part);
-    /// Begins as step number `step` of a run, with the payload at this place and its motion, which the scene's
-    /// release has but for rounding; a body of it turns.
+    /// Begins as step number `step` of a run, with the payload at this place and its motion, which the
+    /// scene's release has but for rounding; a body of it turns.
     void begin_at(const Vec3& position, const PayloadPart& part, std::int64_t step);
     /// As bear, at the start of a simulation, whose ledger begins with it, and without the motion.
     void weigh_payload(const PayloadPart& part);

@@ -15,10 +15,11 @@ enum class Hang {
 
 /// From one point below all risers to a place for each on the body, whose centre of mass takes the payload's
 /// node. Risers keep the length that they have, straight to their attachments, and all above moves along the
-/// axis as far as that asks for, and across it to above the attachments of a body that has turned already. Risers of an imported body end where its file says; those of a scene's shape
-/// go, in the order of their azimuths, to the attachments nearest to where their lines lead, whatever the
-/// order of the mesh. Throws SceneError at payload.body.size where risers do not reach, at payload.body.shape
-/// where their number does not fit.
+/// axis as far as that asks for, and across it to above the attachments of a body that has turned already.
+/// Risers of an imported body end where its file says; those of a scene's shape go, in the order of their
+/// azimuths, to the attachments nearest to where their lines lead, whatever the order of the mesh. Throws
+/// SceneError at payload.body.size where risers do not reach, at payload.body.shape where their number does
+/// not fit.
 void attach_payload(const Scene& scene, Mesh& mesh, Hang hang);
 
 /// Directions of the body's own x, y and z in the world, as it hangs along `axis`.

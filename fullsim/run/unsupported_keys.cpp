@@ -23,8 +23,10 @@ std::vector<std::string> unsupported_in_stages(const Scene& scene) {
     const PayloadFlight start = released_payload(scene);
     for (std::size_t p = 0; p < scene.parachutes.size(); ++p) {
         std::vector<std::string> own = unsupported_keys(scene_in_flight(scene, p, start));
-        // It has settled over a body that hangs straight, as this one may not.
-        if (scene.payload.body && scene.parachutes[p].deploy.by == DeployBy::inflated)
+        const Parachute& chute = scene.parachutes[p];
+        // It settles over a body that hangs straight; over one that does not, several risers do not fit.
+        if (scene.payload.body && chute.deploy.by == DeployBy::inflated && chute.risers > 1 &&
+            (chute.deploy_when || p > 0))
             own.emplace_back("parachute.deploy.by");
         for (std::string& key : own) {
             constexpr std::string_view head = "parachute.";

@@ -112,6 +112,7 @@ constexpr std::array rows{
     MetricRow{"canopy_volume_history", "canopy_volume", "m^3", "Volume of the canopy"},
     MetricRow{"mouth_area_history", "mouth_area", "m^2", "Area of the mouth"},
     MetricRow{"inflow_ratio_history", "inflow_ratio", "", "Inflow over airspeed at the mouth"},
+    MetricRow{"payload_tilt_history", "payload_tilt", "rad", "Tilt of the payload"},
 };
 // clang-format on
 

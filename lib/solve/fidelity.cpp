@@ -28,7 +28,7 @@ std::string unsupported_text(const Scene& scene, const std::vector<std::string>&
         if (!needed && key.ends_with(".risers"))
             named += " (canopies of a cluster meet at one point of payload.body: write 1)";
         if (key.ends_with(".deploy.by"))
-            named += " (a canopy that starts open has settled over a payload.body that hangs straight)";
+            named += " (over a payload.body that has turned a canopy starts open on one riser alone)";
         if (needed && key == "parachute.geometric_porosity")
             named += fmt::format(" (of vent and slots of a {} canopy; the vent alone has {:.3g} %)",
                                  chute.type->title,
