@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace twinchute::rom {
 namespace {
@@ -55,7 +56,7 @@ void Openings::close() {
         chute.snatch_force = peak.value;
         return;
     }
-    if (peak.value < 0.0) return;
+    if (peak.value < 0.0 || std::exchange(cut_at_once_, false)) return;
     if (has_several_canopies(scene_)) keep_larger(result.peak_canopy_force, canopy_peak_);
     chute.stages.back().peak_force = peak.value;
     chute.stages.back().peak_time = peak.at;
@@ -124,8 +125,11 @@ void Openings::note_forces(const OpeningEvent& what, const FlightState& now) {
         case OpeningEvent::Kind::reefed_open:
         case OpeningEvent::Kind::full_open:
             return note_full(chute, what, now.time);
-        case OpeningEvent::Kind::snatch:
         case OpeningEvent::Kind::cut:
+            cut_at_once_ = &chute == &result.parachutes.back() && !chute.stages.empty() &&
+                           chute.stages.back().begin == now.time;
+            return;
+        case OpeningEvent::Kind::snatch:
             return;
     }
 }

@@ -53,8 +53,9 @@ private:
     const Scene& scene_;
     RunContext& context_;
     const OpeningSequence& sequence_;
-    CanopyPeak canopy_peak_;  // taken with the last peak
-    bool snatches_ = false;   // lines of a parachute are taut that is no result yet
+    CanopyPeak canopy_peak_;    // taken with the last peak
+    bool cut_at_once_ = false;  // the last of them, in the instant in which its stage began
+    bool snatches_ = false;     // lines of a parachute are taut that is no result yet
 };
 
 }  // namespace twinchute::rom

@@ -516,6 +516,7 @@ void fill_results_of_stages(const StagesView& run, std::span<const RunView> para
         reached = reached_by(parachutes.front(), result.filling_time.has_value());
     reached.ground = run.findings.landing_time.has_value();
     note_never_opened(record, scene, unopened, reached);
+    warn_of_early_cuts(record, scene, run.sequence);
     note_missing_metrics(record, scene, reached);
     record.left_out = left_out_of(parts_of(scene));
     if (several) {

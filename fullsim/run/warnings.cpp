@@ -168,10 +168,14 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
     if (opened && flight_too && !run.findings.descent_altitude)
         warn_of_unsteady_descent(record, run.scene, run.findings.last_window);
     if (record.status.code != StatusCode::completed || !opened) return;
-    if (!steady_area)
-        warn("no filling time and no steady shape",
-             fmt::format("the run ended less than {:g} s after full open", shape_average),
-             "set stop.time later, or stop.at = \"steady-descent\"");
+    if (steady_area) return;
+    const bool was_cut = !run.canopies.is_out(run.first);
+    if (was_cut && run.simulation().system().time < run.full_open()) return;  // warn_of_early_cuts
+    warn("no filling time and no steady shape",
+         fmt::format("{} less than {:g} s after full open", was_cut ? "it was cut" : "the run ended",
+                     shape_average),
+         was_cut ? "cut it later, where that matters"
+                 : "set stop.time later, or stop.at = \"steady-descent\"");
 }
 
 }  // namespace twinchute::fullsim

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "lib/scene/trigger.hpp"
+
 namespace twinchute {
 
 std::vector<NeverOpened> never_opened(const OpeningSequence& sequence) {
@@ -49,6 +51,21 @@ void note_never_opened(RunRecord& record, const Scene& scene, const std::vector<
     }
     record.add_metric("unopened_parachutes", count, MetricKind::result, names);
     status = {StatusCode::not_opened, status.detail + why};
+}
+
+void warn_of_early_cuts(RunRecord& record, const Scene& scene, const OpeningSequence& sequence) {
+    for (std::size_t p = 0; p < scene.parachutes.size(); ++p) {
+        const bool early = std::ranges::any_of(sequence.all(), [&](const Canopy& c) {
+            return c.index == p && c.state == Canopy::State::cut &&
+                   (c.phase == Phase::initial || c.phase == Phase::filling);
+        });
+        const Parachute& chute = scene.parachutes[p];
+        if (early)
+            record.warnings.push_back(
+                {fmt::format("{} was cut before it was full", chute.name),
+                 fmt::format("its cut, {}, came while it was still filling", trigger_text(*chute.cut)),
+                 "cut it later, or let it fill faster"});
+    }
 }
 
 void note_missing_metrics(RunRecord& record, const Scene& scene, const Reached& reached) {

@@ -37,6 +37,9 @@ struct Reached {
 void note_never_opened(RunRecord& record, const Scene& scene, const std::vector<NeverOpened>& unopened,
                        const Reached& reached);
 
+/// Warns of each parachute that was cut while it was still filling: its peak is of no full canopy.
+void warn_of_early_cuts(RunRecord& record, const Scene& scene, const OpeningSequence& sequence);
+
 /// Says of filling time, peak force and descent rate, by which two fidelities are judged, why the record
 /// lacks them: because the scene's own stop came before (not_reached), or because something went wrong. The
 /// ground is no excuse for a canopy that is not full. Call it once metrics and status are known.

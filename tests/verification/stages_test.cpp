@@ -382,6 +382,27 @@ TEST(Stages, OneIsOutAndCutAtTheReleaseAlready) {
     EXPECT_NEAR(test::last(full, "altitude"), test::last(rom, "altitude"), 2e-3);
 }
 
+TEST(Stages, ACutBeforeTheCanopyIsFullIsSaid) {
+    // The drogue comes out at 0.5 s and takes 0.2 s to fill. One that is cut in that instant, or was to be
+    // cut before, has no stage and no peak of it.
+    const auto warned = [](const RunRecord& record, const char* what) {
+        return std::ranges::any_of(record.warnings,
+                                   [&](const Warning& w) { return w.what.find(what) != std::string::npos; });
+    };
+    for (const auto& [cut, early, peak] :
+         {std::tuple{"0.2", true, false}, {"0.5", true, false}, {"0.6", true, true}, {"0.8", false, true}}) {
+        const Scene scene = drogue_and_main(
+            {fmt::format("parachute.drogue.cut={{time={}}}", cut), "stop={at='line-stretch',delay='0.1 s'}"});
+        for (const RunRecord& record : {test::run_rom(scene), test::run_full(scene)}) {
+            SCOPED_TRACE(fmt::format("{}, cut at {}", record.fidelity, cut));
+            EXPECT_EQ(warned(record, "drogue was cut before it was full"), early);
+            EXPECT_EQ(record.metric("drogue_peak_force_N").has_value(), peak);
+            EXPECT_EQ(warned(record, "drogue: no filling time"),
+                      !early && record.fidelity == "full");  // nothing of a canopy that never was full
+        }
+    }
+}
+
 TEST(Stages, StopAsTheReducedOrderModelDoes) {
     // Whatever the scene stops at is met in both, by the main: the drogue's line stretch and full opening are
     // not those of the last. Times: within the 0.13 s by which snatches differ, clocks and altitudes within
