@@ -165,6 +165,7 @@ std::string summary_json_of(const Scene& scene, const std::vector<View>& views) 
     }
     ordered_json json{{"generator", "twinchute"},
                       {"scene", scene_json(scene_id(scene))},
+                      {"parachute", scene.parachutes.front().name},
                       {"grading", grading_name(grading_of(scene))},
                       {"nodes", s.nodes},
                       {"triangles", s.triangles},
@@ -180,7 +181,8 @@ std::string summary_json_of(const Scene& scene, const std::vector<View>& views) 
     return json_text(json);
 }
 
-std::string summary_text_of(const Scene& scene, const std::vector<View>& views) {
+/// named: --parachute has chosen it.
+std::string summary_text_of(const Scene& scene, const std::vector<View>& views, bool named) {
     const MeshSummary s = summarise(views.front().mesh);
     const Parachute& chute = scene.parachutes.front();
     const Circles circles = circles_of(chute);
@@ -223,6 +225,8 @@ std::string summary_text_of(const Scene& scene, const std::vector<View>& views) 
     const Style style = output_style();
     std::string text = style.paint(printable(scene.name), Colour::bold);
     if (!scene.case_name.empty()) text += ", " + printable(scene.case_name);
+    if (named || chute.count > 1) text += ", " + printable(chute.name);
+    if (chute.count > 1) text += fmt::format(", one of {}", chute.count);
     text += "\n\n" + aligned(table, style, 2) + "\n" + aligned(sizes, style, 2);
     if (const auto note = note_of(chute)) text += "\nnote      " + *note;
     for (const View& view : views)
@@ -233,7 +237,9 @@ std::string summary_text_of(const Scene& scene, const std::vector<View>& views) 
 ExitCode run_mesh(const Arguments& arguments) {
     const std::optional<fs::path> out = wanted_file(arguments);
     const GmshVersion version = wanted_version(arguments);
-    const std::vector<Scene> scenes = scenes_of(arguments);
+    std::vector<Scene> scenes = scenes_of(arguments);
+    for (Scene& scene : scenes)
+        scene = with_one_parachute(std::move(scene), arguments);
     for (const Scene& scene : scenes)
         if (const auto missing = missing_structure(scene.parachutes.front()); !missing.empty())
             throw UsageError(
@@ -263,7 +269,7 @@ ExitCode run_mesh(const Arguments& arguments) {
             batch.add(view.file, text_of(view, scene, version));
         }
         texts.push_back(arguments.has("json") ? summary_json_of(scene, views)
-                                              : summary_text_of(scene, views));
+                                              : summary_text_of(scene, views, arguments.has("parachute")));
     }
     batch.commit();
     print_each(arguments, scenes, texts);
@@ -286,6 +292,7 @@ Command mesh_command() {
                                                          "of a .msh file: 4.1 (default) or 2.2, both ASCII",
                                                          false,
                                                          {"4.1", "2.2"}});
+    command.options.insert(command.options.begin() + 2, parachute_option());
     command.run = &run_mesh;
     return command;
 }

@@ -102,21 +102,6 @@ const Paper& paper_of(const Arguments& arguments) {
                                  suggest(*text, {"a4", "letter"})));
 }
 
-const Parachute& parachute_of(const Scene& scene, const Arguments& arguments) {
-    const auto name = arguments.value("parachute");
-    if (!name && scene.parachutes.size() == 1) return scene.parachutes.front();
-    std::vector<std::string_view> names;
-    for (const Parachute& chute : scene.parachutes)
-        names.push_back(chute.name);
-    if (!name)
-        throw UsageError(fmt::format("{}: the scene has several parachutes ({}), name one with --parachute",
-                                     scene.file.string(), joined(names)));
-    const auto chute = std::ranges::find(scene.parachutes, *name, &Parachute::name);
-    if (chute != scene.parachutes.end()) return *chute;
-    throw UsageError(
-        fmt::format("{}: there is no parachute '{}', {}", scene.file.string(), *name, suggest(*name, names)));
-}
-
 /// A pattern of another canopy than the scene's would be worse than none.
 void require_pattern(const Scene& scene, const Parachute& chute, PatternPieces pieces) {
     const auto refuse = [&](const std::string& problem, const std::string& why, const std::string& hint) {
@@ -176,12 +161,11 @@ std::vector<Part> parts_of(const Parachute& chute, const MeshSummary& mesh) {
     return parts;
 }
 
-Cut cut_of(const Scene& scene, const Arguments& arguments, double allowance) {
-    const Parachute& chute = parachute_of(scene, arguments);
+Cut cut_of(const Scene& of, const Arguments& arguments, double allowance) {
+    const Scene scene = with_one_parachute(of, arguments);
     const PatternPieces pieces = pieces_of(arguments);
-    require_pattern(scene, chute, pieces);
-    Cut cut{scene, gore_pattern(chute, allowance, pieces), {}, {}};
-    cut.scene.parachutes = {chute};
+    require_pattern(scene, scene.parachutes.front(), pieces);
+    Cut cut{scene, gore_pattern(scene.parachutes.front(), allowance, pieces), {}, {}};
     cut.mesh = summarise(built_mesh(cut.scene));
     cut.parts = parts_of(cut.chute(), cut.mesh);
     return cut;
@@ -321,7 +305,7 @@ Command pattern_command() {
         {{"allowance", "LENGTH", "seam allowance around the gore, e.g. '15 mm'; none unless given"},
          {"pieces", "WHICH", "that a gore is cut in: gore (unless given) or panels"},
          {"paper", "SIZE", "that a .pdf is tiled to: a4 (unless given) or letter"},
-         {"parachute", "NAME", "of a scene with several parachutes: which one"}});
+         parachute_option()});
     command.run = &run_pattern;
     return command;
 }

@@ -13,6 +13,7 @@
 #include "lib/cli/text.hpp"
 #include "lib/record/display_units.hpp"
 #include "lib/record/record_json.hpp"
+#include "lib/scene/nearest.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "lib/scene/scene_id.hpp"
 #include "lib/solve/hand_over.hpp"
@@ -101,6 +102,27 @@ std::vector<Scene> scenes_of(const Arguments& arguments, const std::vector<std::
         text.insert(0, "--set ");
     overrides.insert(overrides.end(), more_overrides.begin(), more_overrides.end());
     return read_scenes(arguments.operand, overrides);
+}
+
+Option parachute_option() {
+    return {"parachute", "NAME", "of a scene with several parachutes: which one"};
+}
+
+Scene with_one_parachute(Scene scene, const Arguments& arguments) {
+    const auto name = arguments.value("parachute");
+    if (!name && scene.parachutes.size() == 1) return scene;
+    std::vector<std::string_view> names;
+    for (const Parachute& chute : scene.parachutes)
+        names.push_back(chute.name);
+    if (!name)
+        throw UsageError(fmt::format("{}: the scene has several parachutes ({}), name one with --parachute",
+                                     scene.file.string(), joined(names)));
+    const auto chute = std::ranges::find(scene.parachutes, *name, &Parachute::name);
+    if (chute == scene.parachutes.end())
+        throw UsageError(fmt::format("{}: there is no parachute '{}', {}", scene.file.string(), *name,
+                                     suggest(*name, names)));
+    scene.parachutes = std::vector{*chute};
+    return scene;
 }
 
 std::filesystem::path directory_of(const Scene& scene, const std::filesystem::path& directory) {

@@ -44,6 +44,11 @@ int whole_number(const Arguments& arguments, std::string_view option, int fallba
 /// them, applied. Throws SceneError and UsageError.
 std::vector<Scene> scenes_of(const Arguments& arguments, const std::vector<std::string>& more_overrides = {});
 
+/// --parachute NAME, for what is of one parachute.
+Option parachute_option();
+/// The scene with that of its parachutes alone, or with the only one. Throws UsageError.
+Scene with_one_parachute(Scene scene, const Arguments& arguments);
+
 /// Where results of a scene go: `directory`, for a case of a series its own below that.
 std::filesystem::path directory_of(const Scene& scene, const std::filesystem::path& directory);
 

@@ -114,9 +114,11 @@ std::string parachute_text(const Scene& scene, const RunRecord& record, const Pa
         "    lag={:.6g},  # [s] delay {:.4g} s{}\n", delay + filling.value_or(0.0), delay,
         filling ? fmt::format(", then {:.4g} s of filling by the reduced-order model", *filling) : "");
     if (chute.projected_diameter_ratio > 0.0)
+        // RocketPy's added mass is that of one canopy and goes by the cube.
         text += fmt::format(
-            "    radius={:.6g},  # [m] half of D_p; for RocketPy's added mass, its version 1.11 or later\n",
-            0.5 * chute.projected_diameter_ratio * chute.nominal_diameter);
+            "    radius={:.6g},  # [m] half of D_p{}; for RocketPy's added mass, its version 1.11 or later\n",
+            0.5 * chute.projected_diameter_ratio * chute.nominal_diameter * std::cbrt(chute.count),
+            chute.count > 1 ? fmt::format(" times {}^(1/3)", chute.count) : "");
     return text + ")\n";
 }
 

@@ -337,23 +337,24 @@ std::optional<double> end_of_stage(const RunRecord& record, double full) {
     return {};
 }
 
-/// Adds the mean rate at the end of a stage, and how far the halves of that time differ.
+/// Adds the mean rate at the end of a stage, and how far the halves of v/g differ, in which it becomes steady;
+/// of a shorter stage at its pace.
 void add_stage_rate(RunRecord& record, const Descent& descent, double gravity, const std::string& key,
                     double full, double end) {
-    const double length = std::min(std::abs(descent.sink_at(end)) / gravity, end - full);
+    const double settling = std::abs(descent.sink_at(end)) / gravity, length = std::min(settling, end - full);
     const double from = end - length, middle = end - 0.5 * length;
     const double top = descent.altitude_at(from), half = descent.altitude_at(middle),
                  bottom = descent.altitude_at(end);
     const double rate = (top - bottom) / length;
-    const double change = ((half - bottom) - (top - half)) / (0.5 * length) / rate;
+    const double change = ((half - bottom) - (top - half)) / (0.5 * length) / rate * (settling / length);
     record.add_metric(
         key, rate, MetricKind::mixed,
         fmt::format("mean over the last {:.3g} s of the stage, until t = {:.4g} s; {}", length, end,
                     std::abs(change) < steady_descent_change
                         ? std::string("steady")
-                        : fmt::format("not steady: {:+.2g} % from one half of that time to "
-                                      "the other",
-                                      100.0 * change)));
+                        : fmt::format("not steady: {:+.2g} % from one half of {} to the other", 100.0 * change,
+                                      length < settling ? fmt::format("{:.3g} s at that pace", settling)
+                                                        : "that time")));
 }
 
 }  // namespace

@@ -291,6 +291,26 @@ TEST_F(SystemFields, PicturesNeedNoDisplay) {
 
 // --- the command mesh ---------------------------------------------------------------------------
 
+TEST_F(SystemFields, AMeshIsOfTheParachuteThatIsNamed) {
+    // Each is held against what the scene says of it, within a hundredth; of a cluster it is one canopy.
+    const std::string drogue_and_main = shipped_scene("c9-drogue");
+    const Ended unnamed = run({"mesh", drogue_and_main});
+    EXPECT_EQ(unnamed.code, 2);
+    EXPECT_TRUE(says(unnamed.err, "several parachutes (drogue, main), name one with --parachute"))
+        << unnamed.err;
+    for (const auto& [name, mass] : {std::pair{"drogue", 0.354}, {"main", 5.19}}) {
+        const Ended ended = run({"mesh", drogue_and_main, "--parachute", name, "--json"});
+        ASSERT_EQ(ended.code, 0) << ended.err;
+        const json mesh = json::parse(ended.out);
+        EXPECT_EQ(mesh["parachute"], name);
+        EXPECT_NEAR(mesh["mass_kg"]["total"], mass, 0.01 * mass);
+        EXPECT_TRUE(
+            says(run({"mesh", drogue_and_main, "--parachute", name}).out, std::string(", ") + name + "\n"));
+    }
+    EXPECT_EQ(run({"mesh", drogue_and_main, "--parachute", "mine"}).code, 2);
+    EXPECT_TRUE(says(run({"mesh", shipped_scene("c9-cluster")}).out, ", one of 3\n"));
+}
+
 TEST_F(SystemFields, AMeshWeighsAndMeasuresWhatItWasCutFrom) {
     const Ended ended = run({"mesh", c9_inflation, "--json"});
     ASSERT_EQ(ended.code, 0) << ended.err;

@@ -1,4 +1,6 @@
 // `twinchute import` and `export` as a script sees them. The examples are written by hand, see data/import/.
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "tests/support/program_test.hpp"
@@ -108,6 +110,10 @@ TEST_F(SystemImport, ExportPrintsPythonOrWritesIt) {
     EXPECT_EQ(run({"export", c9_inflation, "--to", "rocketpy", "--position=1,2"}).code, 2);
     EXPECT_EQ(run({"export", shipped_scene("rocket-dual-deploy"), "--to", "rocketpy", "--out", "p.kml"}).code,
               2);
+    // Three hemispheres of air have the added mass of one with 3^(1/3) times their radius, 0.325 D0 with D0 of
+    // 8.53 m.
+    EXPECT_TRUE(says(run({"export", shipped_scene("c9-cluster"), "--to", "rocketpy"}).out,
+                     fmt::format("radius={:.6g},", 0.5 * 0.65 * 8.53 * std::cbrt(3.0))));
     const Ended sonde = run({"export", shipped_scene("sonde"), "--to", "rocketpy"});
     EXPECT_EQ(sonde.code, 2);
     EXPECT_TRUE(says(sonde.err, "a condition that RocketPy does not have")) << sonde.err;
