@@ -64,6 +64,10 @@ View view_for_gmsh(const Scene& scene, const fs::path& file) {
             fmt::format("{}: a Gmsh file has no vent lines (cables of a file are as long as their nodes lie "
                         "apart, and these are not), name a .vtu file",
                         scene.file.string()));
+    if (scene.payload.body && scene.payload.body->sling_length)
+        throw UsageError(fmt::format(
+            "{}: a Gmsh file has no slings (their apex belongs to no tetrahedron), name a .vtu file",
+            scene.file.string()));
     Mesh mesh = built_mesh(scene);
     if (scene.payload.body) attach_payload(scene, mesh, Hang::as_made);
     return {"as made", std::move(mesh), file};

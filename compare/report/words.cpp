@@ -80,7 +80,9 @@ std::vector<const MetricGap*> largest_unjudged(const FidelityGap& gap, std::size
         const bool of_inputs = metric.reference && metric.candidate &&
                                metric.reference->kind == MetricKind::input &&
                                metric.candidate->kind == MetricKind::input;
-        if (!metric.relative || metric.tolerance || of_inputs ||
+        // Shares of a coordinate say nothing; the drift tells of the landing point.
+        const bool coordinate = metric.row->name == "landing_east" || metric.row->name == "landing_north";
+        if (!metric.relative || metric.tolerance || of_inputs || coordinate ||
             !(std::abs(*metric.relative) >= worth_saying))
             continue;
         // A force over a weight, say: one gap, told once.

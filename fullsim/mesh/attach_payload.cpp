@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 
+#include "lib/scene/needs.hpp"
 #include "lib/scene/scene_error.hpp"
 
 namespace twinchute::fullsim {
@@ -112,6 +113,13 @@ std::vector<Vec3> attachments_on(const Scene& scene, std::size_t risers) {
     const PayloadBody& body = *scene.payload.body;
     const bool box = body.shape == PayloadBody::Shape::box;
     const double top = 0.5 * body.size.back();
+    if (body.sling_length) {
+        if (risers != 1)  // of a mesh of one's own
+            throw SceneError({scene.file.string(), 0, 0}, "payload.body.sling_length",
+                             fmt::format("{} risers on slings", risers), "slings meet at one point",
+                             "tie the mesh to one node, or leave sling_length out");
+        return {{0.0, 0.0, top + sling_geometry(body).rise}};
+    }
     if (risers == 1) return {{0.0, 0.0, top}};
     if (box && risers != 4)
         throw SceneError({scene.file.string(), 0, 0}, "payload.body.shape",
@@ -150,6 +158,7 @@ BodyMesh body_of_scene(const Scene& scene, const Mesh& mesh, const std::vector<R
     std::vector<double> at;
     for (const Vec3& place : attachments)
         at.push_back(std::atan2(place.y(), place.x()));
+    if (shape.sling_length) body.solid.node.push_back(attachments.front());  // of no tetrahedron
     for (const std::size_t k : matched(azimuths_of(mesh, chains, frame), at))
         body.end.push_back(node_at(body.solid, attachments[k]));
     return body;

@@ -44,6 +44,8 @@ FullRun::FullRun(const Scene& scene, std::span<const double> stated_masses, Run&
     for (std::size_t k = 0; k < cluster_.size(); ++k)
         canopies_.push_back(
             std::make_unique<CanopyRun>(cluster_.scene(k), stated_masses_.front(), cluster_, k));
+    if (const auto& body = scene.payload.body; body && body->sling_length)
+        slings_.emplace(sling_geometry(*body));
     if (stages_) {
         together_ = std::make_unique<Together>(scene, *stages_->meshes().front(), cluster_);
         cluster_.watch(stages_->watch());
@@ -113,6 +115,7 @@ RunRecord FullRun::finish() {
         if (went_through_itself(view())) found().descent.reset();
         fill_results(view(), each, record_);
     }
+    if (slings_) slings_->fill(record_);
     note_attempts();
     return std::move(record_);
 }
@@ -177,6 +180,12 @@ void FullRun::observe() {
     for (const auto& group : groups_)
         if (cluster_.is_out(group->view.first)) observe_together(group->observer, group->canopies, row);
     if (together_) observe_together(together_->observer, cluster_.out(), row);
+    if (slings_ && !cluster_.out().empty()) {
+        Vec3 pull = Vec3::Zero();
+        for (const std::size_t k : cluster_.out())
+            pull += cluster_[k].system().riser_force;
+        slings_->observe(now, pull, *system().body);
+    }
     if (fields_.frame_is_due(now)) fields_.observe(synchronised_states());
     if (now >= descent_frames_from_) begin_descent_frames();
     if (frames_.frame_is_due(now)) frames_.observe(synchronised_states());
@@ -254,6 +263,7 @@ double FullRun::next_stop() const {
 
 void FullRun::fail(const RunStatus& fault) {
     for_each_observer([](Observer& seen) { seen.forget(); });
+    if (slings_) slings_->forget();
     record_.events.resize(sound_events_);
     fields_.forget();
     frames_.forget();
@@ -263,6 +273,7 @@ void FullRun::fail(const RunStatus& fault) {
 void FullRun::check() {
     if (const auto fault = cluster_.fault()) return fail(*fault);
     for_each_observer([](Observer& seen) { seen.accept(); });
+    if (slings_) slings_->accept();
     sound_events_ = record_.events.size();
     fields_.accept();
     frames_.accept();
@@ -723,6 +734,7 @@ void FullRun::serialize(Archive& archive) {
         for (std::string& name : of_one)
             archive.text("past event", name);
     }
+    if (slings_) slings_->serialize(archive);
     fall_.serialize(archive);
     fields_.serialize(archive);
     frames_.serialize(archive);

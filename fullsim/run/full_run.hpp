@@ -15,6 +15,7 @@
 #include "fullsim/run/checkpoint_clock.hpp"
 #include "fullsim/run/fields.hpp"
 #include "fullsim/run/frames.hpp"
+#include "fullsim/run/sling_loads.hpp"
 #include "fullsim/run/stages.hpp"
 #include "lib/solve/fidelity.hpp"
 #include "lib/solve/steady_descent.hpp"
@@ -247,6 +248,7 @@ private:
     std::vector<std::unique_ptr<Together>> groups_;  // with stages: of each parachute of several canopies
     std::vector<std::vector<std::string>> past_ =
         std::vector<std::vector<std::string>>(cluster_.size());  // events of each canopy
+    std::optional<SlingLoads> slings_;
     SteadyDescent fall_;
     FieldRecorder fields_;
     FrameRecorder frames_;

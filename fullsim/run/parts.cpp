@@ -109,6 +109,13 @@ constexpr std::array parts_of_runs{
          "it is a body of one density, of tetrahedra lumped into a rigid one or each by itself",
          [](const Scene& s) { return s.payload.body.has_value(); },
          [](const Scene& s) { return given("payload.body", s.payload.body.has_value()); }},
+    Part{physics, "slings of the payload", "four, whose apex is fixed to the body",
+         [](const Scene& s) { return s.payload.body && s.payload.body->sling_length; },
+         [](const Scene& s) {
+             return s.payload.body
+                        ? given("payload.body.sling_length", s.payload.body->sling_length.has_value())
+                        : given("payload.body", false);
+         }},
     Part{physics, "attitude of the payload in the air",
          "its drag area follows the angle that it turns to the air",
          [](const Scene& s) { return s.payload.body && s.payload.drag_area_table; },

@@ -100,6 +100,7 @@ constexpr std::array rows{
     number("max_canopy_contact_depth_m", "Deepest contact between canopies", none, Show::when_judged),
     number("max_line_tension_N", "Maximum line tension"),
     number("line_strength_margin", "Margin to the lines' strength"),
+    number("max_sling_tension_N", "Maximum sling tension"),
     number("max_membrane_stress_N_m", "Maximum membrane stress"),
     number("membrane_strength_margin", "Margin to the fabric's strength"),
     number("membrane_stress_p90_N_m", "Membrane stress, 90th percentile"),

@@ -386,8 +386,29 @@ void check_opening(const Scene& scene, const Parachute& p, const Values& values,
     }
 }
 
+void check_slings(const Scene& scene, const PayloadBody& body, const Complain& complain) {
+    const char* key = "payload.body.sling_length";
+    if (body.shape == PayloadBody::Shape::mesh)
+        complain.about(key, "slings on a body of a mesh", "its risers end where the file ties them",
+                       "draw them in the file, or leave sling_length out");
+    if (body.elasticity)
+        complain.about(key, "slings on a deformable body",
+                       "the point where they meet is fixed to the body, which has to be rigid",
+                       "leave payload.body.elasticity out");
+    if (const SlingGeometry slings = sling_geometry(body); !(slings.rise > 0.0))
+        complain.about(key, fmt::format("slings of {:.4g} m do not meet", slings.length),
+                       fmt::format("they begin {:.4g} m from the axis", std::hypot(slings.x, slings.y)),
+                       "lengthen them");
+    for (const Parachute& chute : scene.parachutes)
+        if (chute.risers != 1)
+            complain.about(key, fmt::format("{} risers of '{}' on slings", chute.risers, chute.name),
+                           "slings meet at one point", "write risers = 1 for each parachute");
+}
+
 /// A body of the mesh needs one.
 void check_body(const Scene& scene, const Complain& complain) {
+    if (scene.payload.body && scene.payload.body->sling_length)
+        check_slings(scene, *scene.payload.body, complain);
     if (!scene.payload.body || scene.payload.body->shape != PayloadBody::Shape::mesh) return;
     if (!scene.parachutes.front().mesh)
         complain.about("payload.body.shape", "'mesh' without parachute.mesh",

@@ -284,6 +284,8 @@ constexpr Key scene_rows[] = {
      .kind = word, .choices = words_in<shapes>, .user = full, .meaning = "hangs from the four upper corners of a box, from the upper rim of a cylinder, or where the mesh says: tetrahedra of the group payload in parachute.mesh"},
     {.path = "payload.body.size", .binding = of_body<&PayloadBody::size>, .kind = quantities, .unit = "m", .range = above(0, 100), .user = full,
      .meaning = "of a box: its edges, two across and the last along the parachute; of a cylinder: diameter and height; of a mesh: none"},
+    {.path = "payload.body.sling_length", .binding = of_body<&PayloadBody::sling_length>, .unit = "m", .need = optional, .range = above(0, 100), .user = full,
+     .meaning = "of four slings from the upper corners, or the rim, to the one point that parachutes hang on; absent: risers end on the body"},
     {.path = "payload.body.elasticity", .kind = table, .need = optional, .user = full, .meaning = "its tetrahedra give way; absent: they are lumped into a rigid body"},
     {.path = "payload.body.elasticity.youngs_modulus", .binding = of_body<&PayloadBody::elasticity, &Elasticity::youngs_modulus>,
      .unit = "Pa", .range = above(0, 1e13), .user = full, .meaning = "of its material; the density follows from payload.mass"},

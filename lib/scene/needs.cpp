@@ -89,6 +89,13 @@ double cross_length(double nominal_diameter, double arm_ratio) {
     return nominal_diameter * std::sqrt(0.25 * pi / (arm_ratio * (2.0 - arm_ratio)));
 }
 
+SlingGeometry sling_geometry(const PayloadBody& body) {
+    const bool box = body.shape == PayloadBody::Shape::box;
+    const double x = 0.5 * body.size[0] * (box ? 1.0 : std::sqrt(0.5)), y = box ? 0.5 * body.size[1] : x;
+    const double length = body.sling_length.value(), reach = std::hypot(x, y);
+    return {x, y, length > reach ? std::sqrt(length * length - reach * reach) : 0.0, length};
+}
+
 std::vector<CrossRefusal> cross_refusals(const Scene& scene) {
     const Parachute& chute = scene.parachutes.front();
     if (!(cross_arm_ratio(chute) > 0.0)) return {};

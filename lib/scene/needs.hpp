@@ -43,6 +43,16 @@ struct CrossRefusal {
 /// Keys by which a scene asks of a cross more than the full model can do; empty for all others.
 std::vector<CrossRefusal> cross_refusals(const Scene& scene);
 
+/// Four slings of a payload, from where they are tied around its axis to the point where they meet.
+struct SlingGeometry {
+    double x, y;    ///< [m] from the axis, along either edge of the body
+    double rise;    ///< [m] above the upper face; not above zero: they are too short to meet
+    double length;  ///< [m]
+};
+
+/// Slings of a body that has some.
+SlingGeometry sling_geometry(const PayloadBody& body);
+
 /// Warning where a canopy is a cross.
 std::optional<Warning> open_corners(const Parachute& chute);
 

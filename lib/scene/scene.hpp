@@ -58,6 +58,9 @@ struct PayloadBody {
     /// [m] A box: its edges, two across and the last along the parachute's axis. A cylinder: diameter,
     /// height. Of a mesh: none.
     std::vector<double> size;
+    /// [m] of four slings, from the upper corners of a box or a cylinder's upper rim to one point over its
+    /// middle; absent: risers end on the body.
+    std::optional<double> sling_length = {};
     std::optional<Elasticity> elasticity = {};  ///< absent: rigid
 
     bool operator==(const PayloadBody&) const = default;

@@ -86,7 +86,7 @@ Scene inflated() {
     scene.release = {40.0, 7.0, 0.5 * pi, 0.5 * pi};
     scene.stop = {Trigger::Kind::ground, 0.0, 0.0};
     scene.parachutes.front().risers = 4;
-    scene.payload.body = PayloadBody{PayloadBody::Shape::box, {0.6, 0.4, 0.9}, Elasticity{5e7, 0.3}};
+    scene.payload.body = PayloadBody{PayloadBody::Shape::box, {0.6, 0.4, 0.9}, {}, Elasticity{5e7, 0.3}};
     scene.payload.drag_area_table = AttitudeDrag("own.csv", {0.0, 0.5 * pi}, {0.4, 0.6});
     scene.payload.drag_area = 0.4;
     return scene;

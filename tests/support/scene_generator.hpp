@@ -405,6 +405,7 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                                                     "base",
                                                     "environment.ground",
                                                     "payload.diameter",
+                                                    "payload.body.sling_length",
                                                     "size.max_descent_rate",
                                                     "size.max_force",
                                                     "size.parachute",
@@ -520,6 +521,11 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                  return line.path == "parachute.mesh";
              }))
         put("parachute.mesh", "\"generated-mesh.msh\"");
+    const bool one_riser = std::ranges::any_of(
+        lines_, [](const SceneLine& line) { return line.path == "parachute.risers" && line.value == "1"; });
+    if (one_riser && has("payload.body.") && words["payload.body.shape"] != "mesh" &&
+        !has("payload.body.elasticity.") && random_bool(0.5))
+        put("payload.body.sling_length", "\"1.5 m\"");
     const bool packed = by != "line-stretch" && by != "inflated";
     const bool imported =
         std::ranges::any_of(lines_, [](const SceneLine& line) { return line.path == "parachute.mesh"; });

@@ -1,0 +1,46 @@
+#include "fullsim/run/sling_loads.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace twinchute::fullsim {
+namespace {
+
+constexpr double felt = 0.02;  // share of the largest tension below which a sling is slack without effect
+
+}  // namespace
+
+void SlingLoads::observe(double time, const Vec3& pull, const BodyState& body) {
+    const Eigen::Quaterniond turn(body.attitude[0], body.attitude[1], body.attitude[2], body.attitude[3]);
+    const Vec3 own = turn.conjugate() * pull;
+    const double quarter = 0.25 * slings_.length, along = own.z() / slings_.rise,
+                 across = std::abs(own.x()) / slings_.x + std::abs(own.y()) / slings_.y;
+    if (const double most = quarter * (along + across); most > now_.tension.value)
+        now_.tension = {most, time};
+    if (const double least = quarter * (along - across); - least > now_.push.value)
+        now_.push = {-least, time};
+}
+
+void SlingLoads::fill(RunRecord& record) const {
+    const auto& [tension, push] = now_;
+    record.add_metric("max_sling_tension_N", tension.value, MetricKind::result,
+                      fmt::format("of four that stretch alike, at t = {:.4g} s", tension.time));
+    if (push.value > felt * tension.value)
+        record.warnings.push_back(
+            {fmt::format("slings would have been slack: one had to push with {:.0f} N, at t = {:.4g} s",
+                         push.value, push.time),
+             "the point that they meet at is fixed to the body, which they cannot hold to a pull from so far "
+             "aside",
+             "lengthen payload.body.sling_length, or take tilt and tension near that time for a bound"});
+}
+
+void SlingLoads::serialize(Archive& archive) {
+    for (Extremes* most : {&now_, &sound_})
+        for (Observer::Peak* peak : {&most->tension, &most->push})
+            for (double* x : {&peak->value, &peak->time})
+                archive.number("slings", *x);
+}
+
+}  // namespace twinchute::fullsim
