@@ -33,7 +33,7 @@ void SlingLoads::fill(RunRecord& record) const {
                          push.value, push.time),
              "the point that they meet at is fixed to the body, which they cannot hold to a pull from so far "
              "aside",
-             "lengthen payload.body.sling_length, or take tilt and tension near that time for a bound"});
+             "lengthen payload.body.sling_length, or do not trust tilt and tension near that time"});
 }
 
 void SlingLoads::serialize(Archive& archive) {

@@ -337,8 +337,8 @@ std::optional<double> end_of_stage(const RunRecord& record, double full) {
     return {};
 }
 
-/// Adds the mean rate at the end of a stage, and how far the halves of v/g differ, in which it becomes steady;
-/// of a shorter stage at its pace.
+/// Adds the mean rate at the end of a stage, and how far the halves of v/g differ, in which it becomes
+/// steady; of a shorter stage at its pace.
 void add_stage_rate(RunRecord& record, const Descent& descent, double gravity, const std::string& key,
                     double full, double end) {
     const double settling = std::abs(descent.sink_at(end)) / gravity, length = std::min(settling, end - full);
@@ -349,12 +349,13 @@ void add_stage_rate(RunRecord& record, const Descent& descent, double gravity, c
     const double change = ((half - bottom) - (top - half)) / (0.5 * length) / rate * (settling / length);
     record.add_metric(
         key, rate, MetricKind::mixed,
-        fmt::format("mean over the last {:.3g} s of the stage, until t = {:.4g} s; {}", length, end,
-                    std::abs(change) < steady_descent_change
-                        ? std::string("steady")
-                        : fmt::format("not steady: {:+.2g} % from one half of {} to the other", 100.0 * change,
-                                      length < settling ? fmt::format("{:.3g} s at that pace", settling)
-                                                        : "that time")));
+        fmt::format(
+            "mean over the last {:.3g} s of the stage, until t = {:.4g} s; {}", length, end,
+            std::abs(change) < steady_descent_change
+                ? std::string("steady")
+                : fmt::format(
+                      "not steady: {:+.2g} % from one half of {} to the other", 100.0 * change,
+                      length < settling ? fmt::format("{:.3g} s at that pace", settling) : "that time")));
 }
 
 }  // namespace

@@ -61,8 +61,8 @@ TEST(SlingLoads, AreThoseOfTheLeastSquares) {
 }
 
 TEST(SlingLoads, SlackOnesAreSaidBeyondTheConeOfSlings) {
-    // A drum is pulled aside between two of its slings, which end 0.35 m/sqrt(2) from the axis on that side: the
-    // two others are slack once the pull leaves the plane that they lie in.
+    // A drum is pulled aside between two of its slings, which end 0.35 m/sqrt(2) from the axis on that side:
+    // the two others are slack once the pull leaves the plane that they lie in.
     const double reach = 0.35, rise = std::sqrt(1.5 * 1.5 - reach * reach);
     for (const double share : {0.9, 1.1}) {
         const double aside = share * reach * std::sqrt(0.5) / rise;
