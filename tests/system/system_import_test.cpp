@@ -110,8 +110,8 @@ TEST_F(SystemImport, ExportPrintsPythonOrWritesIt) {
     EXPECT_EQ(run({"export", c9_inflation, "--to", "rocketpy", "--position=1,2"}).code, 2);
     EXPECT_EQ(run({"export", shipped_scene("rocket-dual-deploy"), "--to", "rocketpy", "--out", "p.kml"}).code,
               2);
-    // Three hemispheres of air have the added mass of one with 3^(1/3) times their radius, 0.325 D0 with D0 of
-    // 8.53 m.
+    // Three hemispheres of air have the added mass of one with 3^(1/3) times their radius, 0.325 D0 with D0
+    // of 8.53 m.
     EXPECT_TRUE(says(run({"export", shipped_scene("c9-cluster"), "--to", "rocketpy"}).out,
                      fmt::format("radius={:.6g},", 0.5 * 0.65 * 8.53 * std::cbrt(3.0))));
     const Ended sonde = run({"export", shipped_scene("sonde"), "--to", "rocketpy"});
