@@ -56,7 +56,8 @@ void Openings::close() {
         chute.snatch_force = peak.value;
         return;
     }
-    if (peak.value < 0.0 || std::exchange(cut_at_once_, false)) return;
+    const bool had_no_time = std::exchange(cut_at_once_, false);
+    if (peak.value < 0.0 || had_no_time) return;
     if (has_several_canopies(scene_)) keep_larger(result.peak_canopy_force, canopy_peak_);
     chute.stages.back().peak_force = peak.value;
     chute.stages.back().peak_time = peak.at;
@@ -126,8 +127,9 @@ void Openings::note_forces(const OpeningEvent& what, const FlightState& now) {
         case OpeningEvent::Kind::full_open:
             return note_full(chute, what, now.time);
         case OpeningEvent::Kind::cut:
-            cut_at_once_ = &chute == &result.parachutes.back() && !chute.stages.empty() &&
-                           chute.stages.back().begin == now.time;
+            if (&chute == &result.parachutes.back() && !chute.stages.empty() &&
+                chute.stages.back().begin == now.time)
+                cut_at_once_ = true;
             return;
         case OpeningEvent::Kind::snatch:
             return;

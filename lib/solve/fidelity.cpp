@@ -25,9 +25,11 @@ std::string unsupported_text(const Scene& scene, const std::vector<std::string>&
             named += " (predicted: its balance of air knows no open middle and no vent that is held down)";
         for (const CrossRefusal& refusal : cross_refusals(scene))
             if (refusal.key == key) named += fmt::format(" ({})", refusal.why);
+        if (key == "payload.body.elasticity" || key == "payload.body.shape")
+            named += " (parachutes in turn, and canopies of a cluster, share a rigid box or cylinder)";
         if (!needed && key.ends_with(".risers"))
             named += " (canopies of a cluster meet at one point of payload.body: write 1)";
-        if (key.ends_with(".deploy.by"))
+        if (scene.payload.body && key.ends_with(".deploy.by"))
             named += " (over a payload.body that has turned a canopy starts open on one riser alone)";
         if (needed && key == "parachute.geometric_porosity")
             named += fmt::format(" (of vent and slots of a {} canopy; the vent alone has {:.3g} %)",

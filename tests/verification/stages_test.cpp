@@ -403,6 +403,18 @@ TEST(Stages, ACutBeforeTheCanopyIsFullIsSaid) {
     }
 }
 
+TEST(Stages, OneThatIsCutAtOnceTakesNoPeakFromTheNext) {
+    // The main comes out in the instant of the drogue's cut, or 0.4 s later.
+    for (const char* delay : {"0", "0.4"}) {
+        const RunRecord record = test::run_rom(drogue_and_main(
+            {"parachute.drogue.cut={time=0.5}", "stop={at='full-open',delay='0.1 s'}",
+             fmt::format("parachute.main.deploy={{by='line-stretch',when={{after='drogue.cut',delay={}}}}}",
+                         delay)}));
+        EXPECT_FALSE(record.metric("drogue_peak_force_N")) << delay;
+        EXPECT_GT(record.metric("main_peak_force_N").value_or(0.0), 1000.0) << delay;
+    }
+}
+
 TEST(Stages, StopAsTheReducedOrderModelDoes) {
     // Whatever the scene stops at is met in both, by the main: the drogue's line stretch and full opening are
     // not those of the last. Times: within the 0.13 s by which snatches differ, clocks and altitudes within
