@@ -213,7 +213,9 @@ TEST(BodyInStages, AngularMomentumIsKeptAsParachutesJoinAndLeave) {
               1e-9 * 0.15 * kick.norm());
     kept_over(0.05);
 
+    const Vec3 spin = cluster.front().payload_spin();
     cluster.leave(drogue);
+    EXPECT_LT((cluster.front().payload_spin() - spin).norm(), 1e-12 * spin.norm());
     expect_one_body(cluster);
     kept_over(0.05);
     const PayloadFlight last = cluster.payload();
@@ -224,6 +226,29 @@ TEST(BodyInStages, AngularMomentumIsKeptAsParachutesJoinAndLeave) {
     cluster.step_to(cluster.time() + 0.1);
     EXPECT_EQ(cluster.payload().body->momentum, last.body->momentum);
     EXPECT_GT(turn_of(*cluster.payload().body).angularDistance(turn_of(*last.body)), 1e-6);
+}
+
+TEST(BodyInStages, TheLedgerOfEachBeginsWithItsPartOfTheTurning) {
+    // A crate turns at 10 rad/s as the main comes out of its pack; then another takes half of it, which is
+    // work from outside. Rounding of the kinetic energy.
+    const Scene scene = over_a_crate();
+    const PayloadFlight at = turning(scene, {3.0, 5.0, -8.0});
+    const Scene one = scene_in_flight(scene, 1, at);
+    Simulation canopy(one);
+    PayloadPart part{canopy.payload_node_mass(), at.velocity, moments_of_payload(scene), at.body};
+    canopy.begin_at(at.position, part, 0);
+    canopy.evaluate_forces();
+    const Vec3 spin = canopy.payload_spin();
+    const double energy = 0.5 * spin.dot(at.body->momentum), moving = 0.5 * one.payload.mass * 70.0 * 70.0;
+    EXPECT_GT(energy, 100.0);
+    EXPECT_LT(std::abs(residual(canopy.ledger())), 1e-12 * moving);
+    *part.moments *= 0.5;
+    part.body->momentum *= 0.5;
+    part.body->half_momentum = part.body->momentum;
+    canopy.bear(part);
+    EXPECT_LT((canopy.payload_spin() - spin).norm(), 1e-12 * spin.norm());
+    EXPECT_LT(std::abs(residual(canopy.ledger())), 1e-12 * moving);
+    EXPECT_NEAR(canopy.ledger().external_work, -0.5 * energy, 1e-9 * energy);
 }
 
 TEST(BodyInStages, RisersBeginWhereTheCrateHasTurnedTo) {
