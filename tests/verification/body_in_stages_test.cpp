@@ -337,13 +337,16 @@ TEST(BodyInStages, ACanopyOpensInFlightOverACrateThatHasTurned) {
         Eigen::AngleAxisd(0.28, Vec3(1.0, 2.0, 0.5).normalized()) * turn_of(*at.body);
     at.body->attitude = {turn.w(), turn.x(), turn.y(), turn.z()};
     // The parachute is set there as it is: its risers are as long as over the crate that hangs straight.
-    const auto risers_over = [&](const PayloadFlight& payload) {
-        const Scene one = scene_in_flight(crate, 1, payload);
+    const auto risers_over = [&](const PayloadFlight& payload, bool straight) {
+        Scene one = scene_in_flight(crate, 1, payload);
+        if (straight) one.release.attitude.reset();
         Simulation canopy(one);
         canopy.settle([] { return false; });
         EXPECT_TRUE(canopy.has_settled());
         const Vec3 end = canopy.riser_end() - payload.position;
-        EXPECT_LT((end - turn_of(*payload.body) * Vec3(0.0, 0.0, 0.15)).norm(), 1e-12);
+        if (!straight) {
+            EXPECT_LT((end - turn_of(*payload.body) * Vec3(0.0, 0.0, 0.15)).norm(), 1e-12);
+        }
         const State& state = canopy.synchronised_state();
         std::vector<double> lengths;
         for (const Cable& cable : canopy.mesh().cables)
@@ -354,7 +357,7 @@ TEST(BodyInStages, ACanopyOpensInFlightOverACrateThatHasTurned) {
                                   cable.rest_length);
         return lengths;
     };
-    const std::vector<double> turned = risers_over(at), straight = risers_over(released_payload(crate));
+    const std::vector<double> turned = risers_over(at, false), straight = risers_over(at, true);
     ASSERT_EQ(turned.size(), straight.size());
     for (std::size_t k = 0; k < turned.size(); ++k) {
         EXPECT_GT(straight[k], 1.01);
