@@ -24,7 +24,7 @@ public:
     /// Adds the metric and, where slings would have been slack under load, the warning.
     void fill(RunRecord& record) const;
 
-    /// What has been observed up to here is sound; forget what has come since.
+    /// Marks all that has been observed so far as sound, or forgets what has come since.
     void accept() { sound_ = now_; }
     void forget() { now_ = sound_; }
     void serialize(Archive& archive);

@@ -42,7 +42,7 @@ Eigen::Quaterniond turn_of(const BodyState& body) {
     return {body.attitude[0], body.attitude[1], body.attitude[2], body.attitude[3]};
 }
 
-/// Of a payload that turns at `spin` [rad/s] about its own axes.
+/// Release of a payload that turns at `spin` [rad/s] about its own axes.
 PayloadFlight turning(const Scene& scene, const Vec3& spin) {
     PayloadFlight payload = released_payload(scene);
     payload.body->momentum = turn_of(*payload.body) * Vec3(spin.cwiseProduct(*moments_of_payload(scene)));
