@@ -25,7 +25,7 @@ void attach_payload(const Scene& scene, Mesh& mesh, Hang hang);
 /// Directions of the body's own x, y and z in the world, as it hangs along `axis`.
 Eigen::Matrix3d frame_along(const Vec3& axis);
 
-/// The same at the start: as the release says, otherwise along `axis`.
+/// Directions at the start: as the release says, otherwise along `axis`.
 Eigen::Matrix3d frame_at_start(const Release& release, const Vec3& axis);
 
 }  // namespace twinchute::fullsim

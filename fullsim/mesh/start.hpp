@@ -14,9 +14,8 @@ Scene weighed(const Scene& scene);
 /// Unit vector straight behind the release, against the flight through the air; up where there is none.
 Vec3 trailing_direction(const Scene& scene);
 
-/// The same turned by the pitch of a pack in the vertical plane of the release, apex up; a release straight
-/// down, or at rest, turns toward its heading. Of a parachute that starts packed, otherwise the trailing
-/// direction itself.
+/// Unit vector that the parachute starts along: the trailing direction, for a pack turned by its pitch in the
+/// vertical plane of the release, apex up; a release straight down, or at rest, turns toward its heading.
 Vec3 start_axis(const Scene& scene);
 
 /// The parachute as it is made, without any strain: the generated one (make_constructed_mesh), an imported

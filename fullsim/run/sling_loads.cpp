@@ -19,8 +19,7 @@ void SlingLoads::observe(double time, const Vec3& pull, const BodyState& body) {
                  across = std::abs(own.x()) / slings_.x + std::abs(own.y()) / slings_.y;
     if (const double most = quarter * (along + across); most > now_.tension.value)
         now_.tension = {most, time};
-    if (const double least = quarter * (along - across); - least > now_.push.value)
-        now_.push = {-least, time};
+    if (const double push = quarter * (across - along); push > now_.push.value) now_.push = {push, time};
 }
 
 void SlingLoads::fill(RunRecord& record) const {
