@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "fullsim/attitude.hpp"
 #include "fullsim/deformable_body.hpp"
 #include "fullsim/forces/tetrahedra.hpp"
 #include "fullsim/rigid_body.hpp"
@@ -45,8 +46,7 @@ Eigen::Matrix3d principal_axes(const Lumped& body) {
 }
 
 Vec3 body_axis(const BodyState& state, const Eigen::Matrix3d& principal_axes) {
-    const Eigen::Quaterniond turn(state.attitude[0], state.attitude[1], state.attitude[2], state.attitude[3]);
-    return turn * Vec3(principal_axes.row(2).transpose());
+    return turn_of(state.attitude) * Vec3(principal_axes.row(2).transpose());
 }
 
 double tilt(const Vec3& axis) {

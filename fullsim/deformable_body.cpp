@@ -1,12 +1,12 @@
 #include "fullsim/deformable_body.hpp"
 
-#include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <limits>
 #include <numeric>
 #include <utility>
 
+#include "fullsim/attitude.hpp"
 #include "fullsim/laws/node.hpp"
 #include "fullsim/time/critical_step.hpp"
 
@@ -56,7 +56,7 @@ void DeformableBody::weigh_rows(const BodyMesh& body, const SolidLaw& law) {
 
 void DeformableBody::start(State& state, const Eigen::Matrix3d& frame) const {
     const Eigen::Quaterniond turn(Eigen::Matrix3d(frame * principal_));
-    state.body = BodyState{{turn.w(), turn.x(), turn.y(), turn.z()}};
+    state.body = BodyState{attitude_of(turn)};
 }
 
 void DeformableBody::pull(State& state) const {
@@ -123,7 +123,7 @@ void DeformableBody::turn(State& state) const {
         turned = u * svd.matrixV().transpose();
     }
     const Eigen::Quaterniond q(Eigen::Matrix3d(turned * principal_));
-    state.body->attitude = {q.w(), q.x(), q.y(), q.z()};
+    state.body->attitude = attitude_of(q);
 }
 
 double DeformableBody::inner_energy(const State& state) const {

@@ -1,10 +1,10 @@
 #include "fullsim/free_flight.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <stdexcept>
 
+#include "fullsim/attitude.hpp"
 #include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "fullsim/rigid_body.hpp"
@@ -30,7 +30,7 @@ PayloadFlight released_payload(const Scene& scene) {
     PayloadFlight payload{0.0, position, velocity, mass};
     if (moments_of_payload(scene)) {
         const Eigen::Quaterniond turn(frame_along(start_axis(scene)));
-        payload.body = BodyState{{turn.w(), turn.x(), turn.y(), turn.z()}};
+        payload.body = BodyState{attitude_of(turn)};
     }
     payload.acceleration = free_acceleration(scene, payload);
     return payload;
@@ -78,11 +78,10 @@ PayloadFlight fly_free(const Scene& scene, const PayloadFlight& from, double end
             std::ranges::copy(now.acceleration, rates.begin() + 3);
             if (!now.body) return;
             // dq/dt = 1/2 (0, spin) q, with the angular momentum that nothing changes.
-            const auto& q = now.body->attitude;
             const Vec3 spin = 0.5 * body->spin_of(*now.body);
-            const Eigen::Quaterniond rate = Eigen::Quaterniond(0.0, spin.x(), spin.y(), spin.z()) *
-                                            Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
-            std::ranges::copy(std::array{rate.w(), rate.x(), rate.y(), rate.z()}, rates.begin() + 6);
+            const Eigen::Quaterniond rate =
+                Eigen::Quaterniond(0.0, spin.x(), spin.y(), spin.z()) * turn_of(now.body->attitude);
+            std::ranges::copy(attitude_of(rate), rates.begin() + 6);
         },
         from.time, start, tolerance, std::vector<double>(start.size(), tolerance), from.body ? 0 : 3);
     if (watch)

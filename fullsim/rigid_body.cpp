@@ -4,14 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fullsim/attitude.hpp"
+
 namespace twinchute::fullsim {
-namespace {
-
-Eigen::Quaterniond turn_of(const BodyState& body) {
-    return {body.attitude[0], body.attitude[1], body.attitude[2], body.attitude[3]};
-}
-
-}  // namespace
 
 RigidBody::RigidBody(BodyNodes nodes, double mass, const BodyMesh& body)
     : Body(nodes), mass_(mass), principal_(principal_axes(body.lumped)) {
@@ -22,7 +17,7 @@ RigidBody::RigidBody(BodyNodes nodes, double mass, const BodyMesh& body)
 
 void RigidBody::start(State& state, const Eigen::Matrix3d& frame) const {
     const Eigen::Quaterniond turn(Eigen::Matrix3d(frame * principal_));
-    state.body = BodyState{{turn.w(), turn.x(), turn.y(), turn.z()}};
+    state.body = BodyState{attitude_of(turn)};
 }
 
 void RigidBody::pull(State& state) const {
@@ -41,7 +36,7 @@ void RigidBody::pull(State& state) const {
 void RigidBody::move(State& state, double kick, double dt) const {
     BodyState& body = *state.body;
     body.half_momentum += kick * body.torque;
-    Eigen::Quaterniond turn = turn_of(body);
+    Eigen::Quaterniond turn = turn_of(body.attitude);
     Vec3 momentum = turn.conjugate() * body.half_momentum;  // along the body's own axes
     const auto about = [&](int axis, double time) {
         const double angle = time * momentum[axis] / moments_[axis];
@@ -55,7 +50,7 @@ void RigidBody::move(State& state, double kick, double dt) const {
     about(1, 0.5 * dt);
     about(0, 0.5 * dt);
     turn.normalize();
-    body.attitude = {turn.w(), turn.x(), turn.y(), turn.z()};
+    body.attitude = attitude_of(turn);
     body.momentum = body.half_momentum + 0.5 * dt * body.torque;
     place(state);
     for (std::size_t k = 0; k < attachments_.size(); ++k)
@@ -63,14 +58,14 @@ void RigidBody::move(State& state, double kick, double dt) const {
 }
 
 Vec3 RigidBody::spin_of(const BodyState& body) const {
-    const Eigen::Matrix3d frame = turn_of(body).toRotationMatrix();
+    const Eigen::Matrix3d frame = turn_of(body.attitude).toRotationMatrix();
     const Vec3 own = frame.transpose() * body.momentum;
     return frame * own.cwiseQuotient(moments_);
 }
 
 void RigidBody::place(State& state) const {
     const BodyState& body = *state.body;
-    const Eigen::Matrix3d frame = turn_of(body).toRotationMatrix();
+    const Eigen::Matrix3d frame = turn_of(body.attitude).toRotationMatrix();
     const Vec3 spin = spin_of(body);
     const NodeRecord& centre = state.node[nodes().payload];
     for (std::size_t k = 0; k < attachments_.size(); ++k) {
@@ -82,7 +77,7 @@ void RigidBody::place(State& state) const {
 }
 
 double RigidBody::turning_energy(const BodyState& body) const {
-    const Vec3 own = turn_of(body).conjugate() * body.momentum;
+    const Vec3 own = turn_of(body.attitude).conjugate() * body.momentum;
     return 0.5 * own.dot(own.cwiseQuotient(moments_));
 }
 

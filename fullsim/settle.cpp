@@ -1,9 +1,9 @@
 // The shape that an open canopy begins with, by dynamic relaxation.
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <optional>
 #include <utility>
 
+#include "fullsim/attitude.hpp"
 #include "fullsim/initial_state.hpp"
 #include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/mesh/start.hpp"
@@ -134,9 +134,7 @@ void Simulation::take_shape_of(const Simulation& settled, const Eigen::Quaternio
         for (NodeIndex i = 0; i < mesh_.payload(); ++i)
             s.node[i].x += shift;
     } else if (s.body) {
-        const auto& q = from.body->attitude;
-        const Eigen::Quaterniond turned = turn * Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
-        s.body->attitude = {turned.w(), turned.x(), turned.y(), turned.z()};
+        s.body->attitude = attitude_of(turn * turn_of(from.body->attitude));
     }
     const double before = kinetic_energy(s, constants_);
     s.added_mass = from.added_mass;

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 
+#include "fullsim/attitude.hpp"
 #include "lib/scene/needs.hpp"
 #include "lib/scene/scene_error.hpp"
 
@@ -176,8 +177,7 @@ Eigen::Matrix3d frame_along(const Vec3& axis) {
 
 Eigen::Matrix3d frame_at_start(const Release& release, const Vec3& axis) {
     if (!release.attitude) return frame_along(axis);
-    const auto& q = *release.attitude;
-    return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
+    return turn_of(*release.attitude).toRotationMatrix();
 }
 
 void attach_payload(const Scene& scene, Mesh& mesh, Hang hang) {

@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
+
+#include "fullsim/attitude.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -13,8 +14,7 @@ constexpr double felt = 0.02;  // share of the largest tension below which a sli
 }  // namespace
 
 void SlingLoads::observe(double time, const Vec3& pull, const BodyState& body) {
-    const Eigen::Quaterniond turn(body.attitude[0], body.attitude[1], body.attitude[2], body.attitude[3]);
-    const Vec3 own = turn.conjugate() * pull;
+    const Vec3 own = turn_of(body.attitude).conjugate() * pull;
     const double quarter = 0.25 * slings_.length, along = own.z() / slings_.rise,
                  across = std::abs(own.x()) / slings_.x + std::abs(own.y()) / slings_.y;
     if (const double most = quarter * (along + across); most > now_.tension.value)

@@ -8,17 +8,11 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "fullsim/attitude.hpp"
 #include "fullsim/time/central_difference.hpp"
 
 namespace twinchute::fullsim {
 namespace {
-
-Eigen::Quaterniond turn_of(const BodyState& body) {
-    return {body.attitude[0], body.attitude[1], body.attitude[2], body.attitude[3]};
-}
-void set_turn(BodyState& body, const Eigen::Quaterniond& q) {
-    body.attitude = {q.w(), q.x(), q.y(), q.z()};
-}
 
 TEST(Solid, ABoxHasItsInertia) {
     // m (b^2 + c^2)/12 and so on; tetrahedra are integrated exactly, so only rounding is left.
@@ -79,7 +73,7 @@ State still_state(std::size_t places = 0) {
 
 /// Angular velocity along the body's own axes [rad/s].
 Vec3 own_spin(const RigidBody& body, const BodyState& state) {
-    return (turn_of(state).conjugate() * state.momentum).cwiseQuotient(body.moments());
+    return (turn_of(state.attitude).conjugate() * state.momentum).cwiseQuotient(body.moments());
 }
 
 /// State of a free body that begins to turn with `spin` about its own axes, after `time` in steps of `dt`
@@ -87,7 +81,7 @@ Vec3 own_spin(const RigidBody& body, const BodyState& state) {
 BodyState tumbled(const RigidBody& body, const Vec3& spin, double time, double dt,
                   const Eigen::Quaterniond& start = Eigen::Quaterniond::Identity()) {
     State state = still_state();
-    set_turn(*state.body, start);
+    state.body->attitude = attitude_of(start);
     state.body->momentum = state.body->half_momentum = start * spin.cwiseProduct(body.moments());
     const auto steps = static_cast<long>(std::lround(time / dt));
     for (long k = 0; k < steps; ++k)
@@ -142,7 +136,7 @@ TEST(RigidBody, KeepsLengthMomentumAndEnergyOverAMillionSteps) {
     for (int k = 0; k < 1'000'000; ++k) {
         box.advance(state, dt, dt);
         if (k % 1000 != 0) continue;
-        worst_length = std::max(worst_length, std::abs(turn_of(*state.body).norm() - 1.0));
+        worst_length = std::max(worst_length, std::abs(turn_of(state.body->attitude).norm() - 1.0));
         worst_energy = std::max(worst_energy, std::abs(box.turning_energy(*state.body) / energy - 1.0));
     }
     EXPECT_LT(worst_length, 1e-15);
@@ -156,8 +150,10 @@ TEST(RigidBody, TurnsWithTheWorld) {
     const BodyState plain = tumbled(box, spin, 1.0, 1e-3);
     const BodyState turned = tumbled(box, spin, 1.0, 1e-3, world);
     EXPECT_LT((turned.momentum - world * plain.momentum).norm(), 1e-13);
-    EXPECT_LT((turn_of(turned).toRotationMatrix() - (world * turn_of(plain)).toRotationMatrix()).norm(),
-              1e-12);
+    EXPECT_LT(
+        (turn_of(turned.attitude).toRotationMatrix() - (world * turn_of(plain.attitude)).toRotationMatrix())
+            .norm(),
+        1e-12);
 }
 
 /// A spring without mass that pulls `node` toward a point.
@@ -192,7 +188,7 @@ TEST(RigidBody, SwingsAsADoublePendulum) {
         // Angles from the vertical toward x, in the order of the equations.
         state.node[0].x = Lanes{stretch * std::sin(q[0]) + b * std::sin(q[1]), 0.0,
                                 -stretch * std::cos(q[0]) - b * std::cos(q[1]), 0.0};
-        set_turn(*state.body, Eigen::Quaterniond(Eigen::AngleAxisd(-q[1], Vec3::UnitY())));
+        state.body->attitude = attitude_of(Eigen::Quaterniond(Eigen::AngleAxisd(-q[1], Vec3::UnitY())));
         body.place(state);
         std::vector<double> crossings;
         double before = state.node[0].x[0];

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <string>
 
+#include "fullsim/attitude.hpp"
 #include "fullsim/body.hpp"
 #include "fullsim/cluster.hpp"
 #include "fullsim/fidelity.hpp"
@@ -38,14 +39,11 @@ Scene in_vacuum(Scene scene) {
     return scene;
 }
 
-Eigen::Quaterniond turn_of(const BodyState& body) {
-    return {body.attitude[0], body.attitude[1], body.attitude[2], body.attitude[3]};
-}
-
 /// Release of a payload that turns at `spin` [rad/s] about its own axes.
 PayloadFlight turning(const Scene& scene, const Vec3& spin) {
     PayloadFlight payload = released_payload(scene);
-    payload.body->momentum = turn_of(*payload.body) * Vec3(spin.cwiseProduct(*moments_of_payload(scene)));
+    payload.body->momentum =
+        turn_of(payload.body->attitude) * Vec3(spin.cwiseProduct(*moments_of_payload(scene)));
     return payload;
 }
 
@@ -70,17 +68,17 @@ TEST(BodyAlone, TumblesAsEulerSays) {
     double sn = 0.0, cn = 0.0, dn = 0.0;
     gsl_sf_elljac_e(u, modulus, &sn, &cn, &dn);
     const double across = std::sqrt((twice * largest - square) / (middle * (largest - middle)));
-    const Vec3 own = (turn_of(*end.body).conjugate() * end.body->momentum).cwiseQuotient(moments);
+    const Vec3 own = (turn_of(end.body->attitude).conjugate() * end.body->momentum).cwiseQuotient(moments);
     // The axes y, x, -z are as right-handed as x, y, z.
     EXPECT_NEAR(own.y(), slow * cn, 1e-7);
     EXPECT_NEAR(std::abs(own.x()), std::abs(across * sn), 1e-7);
     EXPECT_NEAR(own.z(), fast * dn, 1e-7);
     EXPECT_GT(std::abs(across * sn), 0.1);
     EXPECT_EQ(end.body->momentum, start.body->momentum);
-    EXPECT_NEAR(turn_of(*end.body).norm(), 1.0, 1e-15);
+    EXPECT_NEAR(turn_of(end.body->attitude).norm(), 1.0, 1e-15);
     // It turns about a fixed axis by rate times time.
     const PayloadFlight spun = fly_free(scene, turning(scene, {0.0, 0.0, 0.5}), 2.0);
-    EXPECT_NEAR(turn_of(*spun.body).angularDistance(turn_of(*start.body)), 1.0, 1e-9);
+    EXPECT_NEAR(turn_of(spun.body->attitude).angularDistance(turn_of(start.body->attitude)), 1.0, 1e-9);
 }
 
 TEST(BodyAlone, DragsAsItsAttitudeSays) {
@@ -96,7 +94,7 @@ TEST(BodyAlone, DragsAsItsAttitudeSays) {
         const Vec3 axis = -payload.velocity.normalized();
         const Eigen::Quaterniond turn =
             Eigen::AngleAxisd(angle, Vec3::UnitZ()) * Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), axis);
-        payload.body->attitude = {turn.w(), turn.x(), turn.y(), turn.z()};
+        payload.body->attitude = attitude_of(turn);
         const Vec3 expected = q * area / payload.mass * axis - scene.environment.gravity * Vec3::UnitZ();
         EXPECT_LT((free_acceleration(scene, payload) - expected).norm(), 1e-12 * expected.norm()) << angle;
     }
@@ -225,7 +223,7 @@ TEST(BodyInStages, AngularMomentumIsKeptAsParachutesJoinAndLeave) {
     EXPECT_EQ(cluster.payload().body->momentum, last.body->momentum);
     cluster.step_to(cluster.time() + 0.1);
     EXPECT_EQ(cluster.payload().body->momentum, last.body->momentum);
-    EXPECT_GT(turn_of(*cluster.payload().body).angularDistance(turn_of(*last.body)), 1e-6);
+    EXPECT_GT(turn_of(cluster.payload().body->attitude).angularDistance(turn_of(last.body->attitude)), 1e-6);
 }
 
 TEST(BodyInStages, TheLedgerOfEachBeginsWithItsPartOfTheTurning) {
@@ -262,8 +260,8 @@ TEST(BodyInStages, RisersBeginWhereTheCrateHasTurnedTo) {
             for (const double angle : {0.0, 0.3, 1.0, 2.5}) {
                 SCOPED_TRACE(fmt::format("{} {} {}", risers, by, angle));
                 const Eigen::Quaterniond turn = Eigen::AngleAxisd(angle, Vec3(1.0, 2.0, 0.5).normalized()) *
-                                                turn_of(*released_payload(scene).body);
-                at.body->attitude = {turn.w(), turn.x(), turn.y(), turn.z()};
+                                                turn_of(released_payload(scene).body->attitude);
+                at.body->attitude = attitude_of(turn);
                 const Scene one = scene_in_flight(scene, 1, at);
                 const Simulation canopy(one);
                 const Mesh& mesh = canopy.mesh();
@@ -334,8 +332,8 @@ TEST(BodyInStages, ACanopyOpensInFlightOverACrateThatHasTurned) {
 
     PayloadFlight at = released_payload(crate);
     const Eigen::Quaterniond turn =
-        Eigen::AngleAxisd(0.28, Vec3(1.0, 2.0, 0.5).normalized()) * turn_of(*at.body);
-    at.body->attitude = {turn.w(), turn.x(), turn.y(), turn.z()};
+        Eigen::AngleAxisd(0.28, Vec3(1.0, 2.0, 0.5).normalized()) * turn_of(at.body->attitude);
+    at.body->attitude = attitude_of(turn);
     // The parachute is set there as it is: its risers are as long as over the crate that hangs straight.
     const auto risers_over = [&](const PayloadFlight& payload, bool straight) {
         Scene one = scene_in_flight(crate, 1, payload);
@@ -345,7 +343,7 @@ TEST(BodyInStages, ACanopyOpensInFlightOverACrateThatHasTurned) {
         EXPECT_TRUE(canopy.has_settled());
         const Vec3 end = canopy.riser_end() - payload.position;
         if (!straight) {
-            EXPECT_LT((end - turn_of(*payload.body) * Vec3(0.0, 0.0, 0.15)).norm(), 1e-12);
+            EXPECT_LT((end - turn_of(payload.body->attitude) * Vec3(0.0, 0.0, 0.15)).norm(), 1e-12);
         }
         const State& state = canopy.synchronised_state();
         std::vector<double> lengths;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 
+#include "fullsim/attitude.hpp"
 #include "fullsim/deformable_body.hpp"
 #include "fullsim/forces/tetrahedra.hpp"
 #include "fullsim/mesh/attach_payload.hpp"
@@ -126,9 +127,7 @@ private:
 
     std::size_t place_of(std::size_t riser) const { return static_cast<std::size_t>(mesh_.place_of(riser)); }
     Eigen::Matrix3d start_frame() const {
-        const auto& q = state_.body->attitude;
-        return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix() *
-               principal_axes(mesh_.lumped).transpose();
+        return turn_of(state_.body->attitude).toRotationMatrix() * principal_axes(mesh_.lumped).transpose();
     }
     void place(std::size_t i, const Vec3& x, const Vec3& v) {
         state_.node[i] = {to_lanes(x), to_lanes(v)};

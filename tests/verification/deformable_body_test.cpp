@@ -9,6 +9,7 @@
 #include <cmath>
 #include <random>
 
+#include "fullsim/attitude.hpp"
 #include "fullsim/forces/tetrahedra.hpp"
 #include "fullsim/rigid_body.hpp"
 #include "fullsim/time/central_difference.hpp"
@@ -316,10 +317,7 @@ TEST(DeformableBody, TumblesAsTheRigidOneWhereItIsStiff) {
         t.step(dt);
         rigid.advance(still, dt, dt);
     }
-    const auto turn = [](const State& s) {
-        return Eigen::Quaterniond(s.body->attitude[0], s.body->attitude[1], s.body->attitude[2],
-                                  s.body->attitude[3]);
-    };
+    const auto turn = [](const State& s) { return turn_of(s.body->attitude); };
     EXPECT_LT(turn(t.state).angularDistance(turn(still)), 1e-4);
     EXPECT_GT(turn(t.state).angularDistance(Eigen::Quaterniond::Identity()), 1.0);
 }

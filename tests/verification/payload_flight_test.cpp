@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "fullsim/attitude.hpp"
 #include "fullsim/simulation.hpp"
 #include "lib/scene/opening_tables.hpp"
 #include "lib/scene/read_scene.hpp"
@@ -90,7 +91,7 @@ TEST(PayloadFlight, IsDraggedByItsAttitude) {
             const Vec3 across = v.unitOrthogonal();
             const Vec3 axis = std::cos(tilt) * -v.normalized() + std::sin(tilt) * across;
             const auto turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), axis);
-            state.body->attitude = {turn.w(), turn.x(), turn.y(), turn.z()};
+            state.body->attitude = attitude_of(turn);
             state.aero[payload].value = splat(0.0);
             block->add_forces(state);
             const double area =

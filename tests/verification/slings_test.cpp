@@ -7,6 +7,7 @@
 #include <random>
 #include <string>
 
+#include "fullsim/attitude.hpp"
 #include "fullsim/run/sling_loads.hpp"
 #include "fullsim/simulation.hpp"
 #include "lib/scene/read_scene.hpp"
@@ -51,8 +52,8 @@ TEST(SlingLoads, AreThoseOfTheLeastSquares) {
             const Eigen::Vector4d tension =
                 down.jacobiSvd(Eigen::ComputeFullU | Eigen::ComputeFullV).solve(Vec3(-pull));
             const Eigen::AngleAxisd turn(2.0 * number(random), Vec3(1.0, 0.3, -2.0).normalized());
-            const Eigen::Quaterniond q(turn);
-            const RunRecord record = under(body, turn * pull, BodyState{{q.w(), q.x(), q.y(), q.z()}});
+            const RunRecord record =
+                under(body, turn * pull, BodyState{attitude_of(Eigen::Quaterniond(turn))});
             EXPECT_NEAR(*record.metric("max_sling_tension_N"), tension.maxCoeff(),
                         1e-12 * tension.maxCoeff());
             EXPECT_TRUE(tension.minCoeff() < 0.0 || record.warnings.empty());
