@@ -33,6 +33,7 @@ Baseline::Baseline(const Arguments& arguments, const std::vector<Scene>& scenes,
         Comparison before;
         before.candidate = record_of(place, candidate);
         before.reference = record_of(place, reference);
+        before.gap = measure_gap(before.reference, before.candidate, {});
         before_.push_back(std::move(before));
     }
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -36,6 +37,16 @@ bool holds_a_record(const fs::path& directory, const Fidelity& fidelity) {
     return fs::exists(directory / fidelity.name / "summary.json", ignored);
 }
 
+/// Cases that a directory of a series has by its table; 0: it has none.
+std::size_t cases_of(const fs::path& directory) {
+    std::ifstream table(directory / "series.csv");
+    std::size_t lines = 0;
+    for (std::string line; std::getline(table, line);)
+        ++lines;
+    constexpr std::size_t head = 2;  // names, units
+    return lines > head ? lines - head : 0;
+}
+
 /// The directory itself, or those of the cases where it is that of a series, by name.
 std::vector<fs::path> comparisons_in(const fs::path& directory, const Fidelity& reference,
                                      const Fidelity& candidate) {
@@ -52,6 +63,11 @@ std::vector<fs::path> comparisons_in(const fs::path& directory, const Fidelity& 
             fmt::format("'{0}' holds no comparison (neither '{0}/{1}' nor '{0}/{2}' is a record), "
                         "name a directory that `twinchute compare` wrote",
                         directory.string(), reference.name, candidate.name));
+    if (const std::size_t cases = cases_of(directory); places.size() < cases)
+        throw UsageError(
+            fmt::format("'{}' holds {} of the {} comparisons that its series.csv lists (what is not there "
+                        "cannot be judged), run `twinchute compare` again, or name those that are there",
+                        directory.string(), places.size(), cases));
     std::ranges::sort(places);
     return places;
 }
@@ -93,6 +109,11 @@ Comparison comparison_of(const fs::path& place, const Fidelity& reference, const
     return comparison;
 }
 
+/// One way to write a directory: "s/a" of "s/a/" and "s/../s/a".
+fs::path plain(const fs::path& directory) {
+    return (directory / "").lexically_normal().parent_path();
+}
+
 /// A directory that an operand leads to, and what lies there.
 struct Place {
     fs::path directory;
@@ -103,6 +124,7 @@ std::vector<Place> places_of(const Arguments& arguments, const Fidelity& referen
                              const Fidelity& candidate) {
     std::vector<Place> places;
     const auto add = [&](fs::path directory, bool comparison) {
+        directory = plain(directory);
         if (std::ranges::find(places, directory, &Place::directory) == places.end())
             places.push_back({std::move(directory), comparison});
     };
@@ -160,7 +182,7 @@ ExitCode run_report(const Fidelity& reference, const Fidelity& candidate, const 
     if (out) check_output_dir(*out);
     const std::vector<Place> places = places_of(arguments, reference, candidate);
     const bool alone = places.size() == 1 && places.front().comparison && !out;
-    const bool one = places.size() == 1 && places.front().directory == arguments.operand;
+    const bool one = places.size() == 1 && places.front().directory == plain(arguments.operands.front());
     const std::array<std::string_view, 2> fidelities{candidate.name, reference.name};
     FileBatch batch;  // all of them or none
     Summary summary;

@@ -52,12 +52,14 @@ double size_of(const MetricChange& change) {
 
 using Tolerances = std::map<std::string, Tolerance>;
 
-Tolerances judged_metrics(const FidelityGap& gap, const Tolerances& asked) {
+/// What either of the two gaps judges: a parachute that is called otherwise now takes its metrics along.
+Tolerances judged_metrics(const FidelityGap& before, const FidelityGap& now, const Tolerances& asked) {
     Tolerances judged = asked;  // they win
     for (const MetricRow& row : metric_rows())
         if (row.tolerance) judged.try_emplace(std::string(row.name), trend_tolerance);
-    for (const MetricGap& metric : gap.metrics)
-        if (metric.tolerance) judged.try_emplace(std::string(metric.row->name), trend_tolerance);
+    for (const FidelityGap* gap : {&now, &before})
+        for (const MetricGap& metric : gap->metrics)
+            if (metric.tolerance) judged.try_emplace(std::string(metric.row->name), trend_tolerance);
     return judged;
 }
 
@@ -183,7 +185,7 @@ std::vector<OtherChange> input_changes(std::vector<Input> before, const std::vec
 
 Trend measure_trend(const Comparison& before, const Comparison& now, const Tolerances& asked) {
     Trend trend;
-    const Tolerances judged = judged_metrics(now.gap, asked);
+    const Tolerances judged = judged_metrics(before.gap, now.gap, asked);
     const std::set<std::string> names = asked_names(now.gap, asked);
     const std::pair<const RunRecord&, const RunRecord&> sides[] = {{before.candidate, now.candidate},
                                                                    {before.reference, now.reference}};

@@ -54,7 +54,7 @@ inline constexpr double trend_threshold = 1e-6;
 inline constexpr Tolerance trend_tolerance{1e-3, true};
 
 /// `before` and `now` are of the same two fidelities. Judged: metrics that have a tolerance by default or in
-/// `now`, and those of `asked`, by name. Relative tolerances are shares of the earlier value. What is zero
+/// either, and those of `asked`, by name. Relative tolerances are shares of the earlier value. What is zero
 /// but for rounding then and now has not moved (round_off_of()).
 Trend measure_trend(const Comparison& before, const Comparison& now,
                     const std::map<std::string, Tolerance>& asked);

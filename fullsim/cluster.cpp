@@ -363,7 +363,7 @@ void Cluster::share_pulls(double kick, int subcycles) {
 void Cluster::fly_alone(double end) {
     checked_alone_ = steps_alone_ % Simulation::steps_between_checks == 0;
     ++steps_alone_;
-    const double next_row = alone_.time + 1.0 / scene_.full.output_rate;
+    const double next_row = alone_.time + 1.0 / scene_.full.row_rate();
     try {
         if (alone_.time >= step_to_.time)
             step_to_ = fly_free(scene_, alone_, std::min(end, alone_.time + step_of_free_flight), watch_);

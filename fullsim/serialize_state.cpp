@@ -99,7 +99,7 @@ void serialize(Archive& archive, State& state) {
            largest_added_mass, body, sums, air, inflow, energy, accretion_power, damping_power,
            external_power, riser_force, in_subcycles, capped_steps, largest, contact] =
         static_cast<SystemState&>(state);
-    auto& [node, v_half, force, aero] = static_cast<NodeArrays&>(state);
+    auto& [node, v_half, force, aero, contact_reaction] = static_cast<NodeArrays&>(state);
     for (double* x : {&time, &dt, &line_dt, &fe_weight, &added_mass_rate, &added_mass, &largest_added_mass,
                       &accretion_power, &damping_power, &external_power})
         archive.number("state", *x);

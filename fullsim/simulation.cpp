@@ -373,7 +373,7 @@ void Simulation::rates(double time, std::span<const double> unknowns, std::span<
     clear_forces(s);
     for (const auto& model : structure_)
         model->add_forces(s);
-    s.riser_force = to_vec3(s.force[mesh_.payload()].value);
+    note_riser_force(s, mesh_.payload());
     for (const auto& model : loads_)
         model->add_forces(s);
     for (std::size_t i = 0; i < constants_.mass.size(); ++i) {

@@ -35,14 +35,8 @@ bool Simulation::lines_are_taut() const {
 }
 
 std::optional<RunStatus> Simulation::refused_opening(const Inflation& inflation, double speed) const {
-    const bool sound =
-        inflation.initial_time < inflation.filling_time && (inflow_ || std::isfinite(inflation.filling_time));
-    if (sound) return {};
-    return RunStatus{StatusCode::refused,
-                     fmt::format("a snatch at {:.4g} m/s gives an initial phase of {:.4g} s, not shorter "
-                                 "than the filling time of {:.4g} s, shorten parachute.initial_phase or "
-                                 "lengthen parachute.fill_time",
-                                 speed, inflation.initial_time, inflation.filling_time)};
+    if (inflow_ && inflation.initial_time < inflation.filling_time) return {};
+    return twinchute::refused_opening(inflation, speed);
 }
 
 void Simulation::open_as(const Inflation& inflation) {

@@ -301,12 +301,18 @@ struct SystemState {
 struct NodeArrays {
     /// Nodes of the mesh, a dummy for padding, the attachment points of a body, nodes of the static line.
     std::vector<NodeRecord> node;
-    std::vector<NodeVector> v_half;  ///< [m/s] at time - dt/2
-    NodeForces force;                ///< [N] structural and damping forces
-    NodeForces aero;                 ///< [N] aerodynamic forces, booked as drag work
+    std::vector<NodeVector> v_half;        ///< [m/s] at time - dt/2
+    NodeForces force;                      ///< [N] structural and damping forces
+    NodeForces aero;                       ///< [N] aerodynamic forces, booked as drag work
+    Vec3 contact_reaction = Vec3::Zero();  ///< [N] of gore contact on the payload, one of `force`
 };
 
 struct State : SystemState, NodeArrays {};
+
+/// Sets riser_force once the structure's forces are there, of which contact may be one.
+inline void note_riser_force(State& state, NodeIndex payload) {
+    state.riser_force = to_vec3(state.force[payload].value) - state.contact_reaction;
+}
 
 /// riser_force as a mean [N], and the time [s] of that. Where lines take subcycles, what the canopy does to
 /// them comes as one impulse a step and runs through them as a wave: the end of a step is always the same

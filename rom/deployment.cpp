@@ -286,11 +286,6 @@ private:
 
 }  // namespace
 
-double line_stiffness(const Parachute& chute) {
-    return chute.count * chute.gores * chute.line.axial_stiffness() /
-           (chute.line_length + chute.riser_length);
-}
-
 double taut_distance(const Parachute& chute) {
     const double lines = chute.line_length + chute.riser_length;
     if (chute.deploy.by != DeployBy::static_line) return lines;

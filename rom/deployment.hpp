@@ -35,8 +35,6 @@ template <int dimensions>
 Deployed<dimensions> deploy(const Scene& scene, RunContext& context, OpeningSequence& sequence,
                             Openings& openings, double time, const Motion<dimensions>& motion);
 
-/// [N/m] of lines and risers together, of the whole cluster: a riser has as many strands as it carries lines.
-double line_stiffness(const Parachute& chute);
 /// Distance [m] from the payload at which the lines come taut, measured to the anchor of a static line or to
 /// the skirt, where a pack stays until then.
 double taut_distance(const Parachute& chute);

@@ -333,7 +333,9 @@ private:
     /// The window at the end of the run: a ground that comes first does not make it less steady.
     void note_last_window() {
         result_.last_window = window();
-        if (!result_.last_window || !result_.last_window->is_steady() || !sequence_.is_settled()) return;
+        if (!result_.last_window || !result_.last_window->is_steady() || !sequence_.is_settled() ||
+            !is_carried())
+            return;
         result_.descent = result_.last_window;
         if (!result_.descent_altitude) result_.descent_altitude = here().altitude();
     }
@@ -499,8 +501,11 @@ private:
         }
     }
 
+    /// Whether any parachute is out: a payload that falls alone has no descent rate.
+    bool is_carried() const { return std::ranges::any_of(sequence_.all(), &Canopy::is_out); }
+
     std::vector<Root> sought() const {
-        const bool last = sequence_.is_settled();
+        const bool last = sequence_.is_settled() && is_carried();
         if (is_steady_ || !sequence_.is_quiet() || !(last || sequence_.waits_for_steady_descent())) return {};
         if (last && scene_.stop.kind == Trigger::Kind::peak_force) return {Root::steady, Root::peak};
         return {Root::steady};

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
+
+#include "lib/math/root.hpp"
 
 namespace twinchute::rom {
 
@@ -22,14 +25,26 @@ void Observer::step(const OdeSolver& solver) {
         solver.interpolate(t, buffer_);
         return row_of_(t, buffer_);
     };
+    const HistoryRow end = row_of_(b, solver.state());
+    double from = a;
+    if (rows_.back().vertical_speed > 0.0 && end.vertical_speed < 0.0) {
+        const double top = root_between([&](double t) { return at(t).vertical_speed; }, a, b,
+                                        4.0 * std::numeric_limits<double>::epsilon());
+        if (top > a && top < b) add_rows(std::exchange(from, top), top, at(top), at);
+    }
+    add_rows(from, b, end, at);
+    for (; !sample_times_.empty() && sample_times_.front() <= b; sample_times_ = sample_times_.subspan(1))
+        samples_.push_back(at(sample_times_.front()));
+}
+
+template <class RowAt>
+void Observer::add_rows(double a, double b, const HistoryRow& end, const RowAt& at) {
     std::array<double, std::tuple_size_v<decltype(peaks_)>> before{};
     std::ranges::transform(peaks_, before.begin(), [](const Peak& peak) { return peak.best.value; });
     for (int i = 1; i <= pieces; ++i) {
-        rows_.push_back(i < pieces ? at(a + (b - a) * i / pieces) : row_of_(b, solver.state()));
+        rows_.push_back(i < pieces ? at(a + (b - a) * i / pieces) : end);
         consider(rows_.back());
     }
-    for (; !sample_times_.empty() && sample_times_.front() <= b; sample_times_ = sample_times_.subspan(1))
-        samples_.push_back(at(sample_times_.front()));
     for (std::size_t i = 0; i < watched_; ++i)
         refine(peaks_[i], before[i], a, b, at);
 }

@@ -1,5 +1,6 @@
 // Observer of a reduced-order run: history, largest forces, impulse, largest deceleration.
-// Everything is taken from the integrator's dense output, so that no step size shows in it.
+// Everything is taken from the integrator's dense output, so that no step size shows in it; the apogee is a
+// row.
 #pragma once
 
 #include <array>
@@ -74,6 +75,9 @@ private:
         std::size_t row = 0;
     };
 
+    /// Rows of the step's part from a to b [s]; `end`: that of b.
+    template <class RowAt>
+    void add_rows(double a, double b, const HistoryRow& end, const RowAt& at);
     void consider(const HistoryRow& row);
     /// Its true place in the step from a to b [s], which found it at `before`.
     template <class RowAt>

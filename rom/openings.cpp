@@ -90,7 +90,7 @@ void Openings::note_snatch(const OpeningEvent& what, const FlightState& now) {
         if (!packed) result.payload_snatch_speed = now.airspeed;
     }
     add_opening_warnings(context_.record, scene_, chute, canopy_of(sequence_, what.index).inflation,
-                         now.airspeed, now.density);
+                         now.altitude, now.airspeed, now.density);
 }
 
 /// A stage is full, or the whole canopy.
@@ -168,16 +168,12 @@ void Openings::note_event(const OpeningEvent& what, double time) {
 RunStatus Openings::check() const {
     for (const Canopy& c : sequence_.all()) {
         if (!c.is_out() || c.chute->deploy.by == DeployBy::inflated || c.filling) continue;
-        const Inflation& inflation = c.inflation;
-        if (std::isfinite(inflation.filling_time) && inflation.initial_time < inflation.filling_time)
-            continue;
-        const std::string whose = scene_.parachutes.size() > 1 ? c.chute->name + ": " : "";
-        return {
-            StatusCode::refused,
-            fmt::format("{}at snatch the initial phase is not shorter than the filling time (t_s = {:.4g} s, "
-                        "t_i = {:.4g} s, t_f = {:.4g} s), shorten parachute.initial_phase or lengthen "
-                        "parachute.fill_time",
-                        whose, inflation.snatch, inflation.initial_time, inflation.filling_time)};
+        const auto chute = std::ranges::find(result.parachutes, c.index, &ParachuteResult::index);
+        const double speed = chute == result.parachutes.end() ? 0.0 : chute->snatch_speed;
+        if (const auto refused = refused_opening(c.inflation, speed)) {
+            const std::string whose = scene_.parachutes.size() > 1 ? c.chute->name + ": " : "";
+            return {refused->code, whose + refused->detail};
+        }
     }
     return {};
 }

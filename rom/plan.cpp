@@ -39,8 +39,6 @@ int dimensions_of(const Scene& scene) {
 std::vector<PlanPart> parts_of(const Scene& scene) {
     using enum PlanPart::Kind;
     const auto any = [&](auto&& is) { return std::ranges::any_of(scene.parachutes, is); };
-    const Deployment& deploy = scene.parachutes.front().deploy;
-    const InitialPhase& initial = scene.parachutes.front().initial_phase;
     const bool packed = any([](const Parachute& p) { return p.deploy.starts_packed(); });
     const bool inflated = !any([](const Parachute& p) { return p.deploy.by != DeployBy::inflated; });
     const bool windy = scene.environment.wind.has_value();
@@ -76,7 +74,7 @@ std::vector<PlanPart> parts_of(const Scene& scene) {
         parts.add(physics, "drawing out of fabric and lines", "their motion until snatch", false,
                   "payload and parachute are two point masses until snatch");
         parts.optional("drag of the pack", "until snatch", "parachute.deploy.pack_drag_area",
-                       deploy.pack_drag_area > 0.0);
+                       any([](const Parachute& p) { return p.deploy.pack_drag_area > 0.0; }));
     }
     parts.add(physics, "canopy structure", "fabric and lines with stresses", false,
               packed ? "this model moves payload and parachute as one rigid body from snatch on"
@@ -106,8 +104,10 @@ std::vector<PlanPart> parts_of(const Scene& scene) {
 
     parts.add(event, "line-stretch", "lines come taut", !inflated, start);
     parts.add(event, "snatch", "payload and parachute have one velocity", packed, start);
-    parts.add(event, "end-of-initial-phase", "the drag area begins to rise",
-              !inflated && (initial.transit || initial.seconds > 0.0),
+    parts.add(event, "end-of-initial-phase", "the drag area begins to rise", any([](const Parachute& p) {
+                  return p.deploy.by != DeployBy::inflated &&
+                         (p.initial_phase.transit || p.initial_phase.seconds > 0.0);
+              }),
               inflated ? start : "by parachute.initial_phase");
     parts.add(event, "full-open", "the drag area is full", true, every_run);
     parts.add(event, "peak-force", "the opening force is largest", true, every_run);

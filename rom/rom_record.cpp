@@ -6,6 +6,7 @@
 #include <array>
 
 #include "lib/models/snatch.hpp"
+#include "lib/scene/line_stretch.hpp"
 #include "lib/solve/opening.hpp"
 #include "rom/deployment.hpp"
 

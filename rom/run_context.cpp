@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -31,7 +32,7 @@ IntegrationSegment RunContext::integrate_to(OdeSolver& solver, double end) {
     for (;;) {
         if (run_.stop.stop_requested()) return IntegrationSegment::interrupted;
         if (++steps_ > max_steps) return IntegrationSegment::too_many_steps;
-        const auto outcome = solver.advance();
+        const auto outcome = solver.advance(longest_step());
         if (outcome == OdeSolver::Outcome::failed) return IntegrationSegment::failed;
         observer.step(solver);
         if (!observer.is_finite()) return IntegrationSegment::not_finite;
@@ -47,6 +48,16 @@ IntegrationSegment RunContext::integrate_to(OdeSolver& solver, double end) {
         if (solver.time() >= end) return IntegrationSegment::reached_end;
         solver.stop_at(end);
     }
+}
+
+double RunContext::longest_step() const {
+    const Environment& air = scene_.environment;
+    const HistoryRow& now = observer.rows().back();
+    double reach = air.atmosphere.reach(now.altitude);
+    if (air.wind) reach = std::min(reach, air.wind->reach(now.altitude));
+    if (!std::isfinite(reach)) return reach;
+    const double climb = std::abs(now.vertical_speed);  // and it falls freely at most
+    return 2.0 * reach / (climb + std::sqrt(climb * climb + 2.0 * air.gravity * reach));
 }
 
 bool RunContext::stops_above_ground() const {

@@ -57,6 +57,8 @@ public:
 
 private:
     static double unlimited();
+    /// [s] of a step that leaps over no layer of wind or air.
+    double longest_step() const;
     bool stops_above_ground() const;
 
     const Scene& scene_;

@@ -101,8 +101,24 @@ std::optional<std::vector<VariedScene::Setter>> VariedScene::setters() const {
     return all;
 }
 
+bool VariedScene::Setter::takes(const KeyValue& value) const {
+    if (const auto* number = std::get_if<double>(&value)) return range.contains(*number);
+    if (const auto* whole = std::get_if<std::int64_t>(&value))
+        return range.contains(static_cast<double>(*whole));
+    return true;
+}
+
 bool VariedScene::check(const std::vector<KeyValue>& values) {
-    const Scene wanted = read(values);
+    Scene wanted;
+    try {
+        wanted = read(values);
+    } catch (const SceneError&) {
+        // What is more than a range only reading finds out.
+        for (std::size_t i = 0; quick_ && i < keys_.size(); ++i)
+            if (!setters_[i].takes(values[i])) throw;
+        quick_ = false;
+        throw;
+    }
     if (!quick_) return false;
     Scene tried = base_;
     put(tried, values);
@@ -115,9 +131,8 @@ void VariedScene::put(Scene& scene, std::span<const KeyValue> values) const {
         return;
     }
     for (std::size_t i = 0; i < keys_.size(); ++i) {
-        const auto* number = std::get_if<double>(&values[i]);
-        if (number && !setters_[i].range.contains(*number))
-            throw SceneError({}, keys_[i], fmt::format("{:g} is out of range", *number), "", "");
+        if (!setters_[i].takes(values[i]))
+            throw SceneError({}, keys_[i], fmt::format("{} is out of range", toml(values[i])), "", "");
         setters_[i].set(scene, values[i]);
     }
 }

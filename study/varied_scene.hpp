@@ -34,13 +34,15 @@ public:
     /// Puts values into a copy of base(), as often as one likes. Each key's own range is checked, not how
     /// keys fit together, unless the scene has to be read again. Throws SceneError.
     void put(Scene& scene, std::span<const KeyValue> values) const;
-    /// Whether putting gives what reading gives at these values as well; reads for good where not.
+    /// Whether putting gives what reading gives at these values as well; reads for good where not, and where
+    /// reading refuses more than the range of a key. Throws SceneError where it refuses.
     bool check(const std::vector<KeyValue>& values);
 
 private:
     struct Setter {
         KeyRange range;
         std::function<void(Scene&, const KeyValue&)> set;
+        bool takes(const KeyValue& value) const;  ///< by its own range
     };
     std::optional<std::vector<Setter>> setters() const;
 

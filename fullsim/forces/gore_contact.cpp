@@ -67,6 +67,7 @@ public:
         const AxisReaction on = axis_reaction(axis, Vec3(sums.by_arm.data()), Vec3(sums.by_turning.data()));
         for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i)
             state.force[i].value += to_lanes(mesh_.mass[i] / canopy_mass_ * on.canopy);
+        state.contact_reaction = on.payload;
         state.force[mesh_.payload()].value += to_lanes(on.payload);
     }
 

@@ -140,7 +140,8 @@ Vec3 InflowBalance::set_pressure(SystemState& state, const ElementSums& of_canop
     inflow.ratio = inflow.leak = inflow.inside = inflow.loss = air.drag_area = 0.0;
     inflow.note_displaced(of_canopy.swept - area.dot(state.sums.canopy_area_velocity), state.dt, state.time);
     const double speed = (air.wind - open.velocity).dot(air.direction);
-    if (!(speed > 0.0) || !(air.density > 0.0)) return Vec3::Zero();
+    // A canopy that has turned over shows its outside to the air: its mouth takes none in.
+    if (!(speed > 0.0) || !(air.density > 0.0) || !(air.signed_area > 0.0)) return Vec3::Zero();
 
     const double rho = air.density, q = 0.5 * rho * speed * speed, supply = inflow.mouth * speed;
     const double filled = std::clamp(inflow.volume / full_volume_, 0.0, 1.0);

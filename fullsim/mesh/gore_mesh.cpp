@@ -180,6 +180,12 @@ private:
         // Lines are straight and as long as they are: that gives the apex its height.
         const double skirt_radius = std::hypot(shape.skirt.x(), shape.skirt.y());
         const double line = mesh_.line_stretch * chute_.line_length;
+        if (!(line > skirt_radius))
+            throw SceneError(
+                {}, "parachute.line_length",
+                fmt::format("{:.4g} m does not reach from the skirt to the axis", line),
+                fmt::format("as the scene begins the skirt has a radius of {:.4g} m", skirt_radius),
+                "about D0 is common");
         link_height_ = mesh_.line_stretch * chute_.riser_length;
         const double apex =
             link_height_ + std::sqrt(line * line - skirt_radius * skirt_radius) + shape.skirt.z();

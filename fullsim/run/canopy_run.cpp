@@ -25,7 +25,7 @@ CanopyRun::CanopyRun(const Scene& scene, double stated_mass, Cluster& canopies, 
     : scene_(scene),
       canopies_(canopies),
       which_(which),
-      observer_(canopies[which].mesh(), scene.environment.gravity, scene.full.output_rate,
+      observer_(canopies[which].mesh(), scene.environment.gravity, scene.full.row_rate(),
                 canopies[which].sectors()),
       own_(shared || parachute().reefing.empty() ? std::optional<OpeningSequence>() : OpeningSequence(scene)),
       sequence_(shared ? shared

@@ -19,7 +19,7 @@ void serialize_window(Archive& archive, std::optional<DescentWindow>& window) {
 void Findings::serialize(Archive& archive) {
     for (double* x : {&snatch, &snatch_speed, &snatch_path_angle, &payload_snatch_speed, &snatch_density})
         archive.number("snatch", *x);
-    for (std::optional<double>* x : {&line_stretch_time, &descent_altitude, &landing_time})
+    for (std::optional<double>* x : {&line_stretch_time, &descent_altitude, &landing_time, &met_payload})
         archive.number("event", *x);
     for (std::optional<DescentWindow>* window : {&descent, &last_window})
         serialize_window(archive, *window);

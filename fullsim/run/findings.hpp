@@ -22,6 +22,8 @@ struct Findings {
     double snatch_path_angle = 0.0;                         ///< [rad] below the horizon
     double snatch_density = 0.0;                            ///< [kg/m^3]
     bool switched_late = false;                             ///< finite elements took over at full open only
+    std::optional<double> met_payload;                      ///< [s] came as near as fabric and it could not
+    bool fell_in = false;                                   ///< where that ends the run
     std::vector<ParachuteResult::Stage> stages = {{}};      ///< of the opening
     std::optional<DescentWindow> descent, last_window;      ///< found steady; judged last
     std::optional<double> descent_altitude, landing_time;   ///< [m], [s]
@@ -67,7 +69,13 @@ struct RunView {
     double drag_area_steady() const {
         return reefed() ? infinity : simulation().inflation().end_of(Phase::overshoot);
     }
-    /// [m/s] through the air, [kg/m^3]: at snatch.
+    /// [m], [m/s] through the air, [kg/m^3]: at snatch.
+    double snatch_altitude() const {
+        if (!packed()) return scene.release.altitude;
+        const auto& rows = observer.rows();
+        const auto at = std::ranges::lower_bound(rows, findings.snatch, {}, &HistoryRow::time);
+        return (at == rows.end() ? rows.back() : *at).position.z();
+    }
     double snatch_speed() const { return packed() ? findings.snatch_speed : release_airspeed(scene).norm(); }
     double snatch_density() const {
         return packed() ? findings.snatch_density : observer.rows().front().density;

@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "fullsim/run/results.hpp"
+#include "lib/models/snatch.hpp"
+#include "lib/scene/line_stretch.hpp"
 #include "lib/scene/scene_error.hpp"
 #include "lib/solve/opening.hpp"
 
@@ -80,9 +82,8 @@ void FullRun::fly() {
 }
 
 RunRecord FullRun::finish() {
-    // The rest of the fall begins where this ends, not at the last row before.
-    if (!scene_.then.empty() && record_.status.code == StatusCode::completed &&
-        cluster_.time() > observer().rows().back().time)
+    // Results of the end are those of its own instant, not of the last row before.
+    if (!is_numerical_failure(record_.status.code) && cluster_.time() > observer().rows().back().time)
         add_rows();
     for_each_observer([](Observer& seen) { seen.finish(); });
     note_squid();
@@ -116,6 +117,7 @@ RunRecord FullRun::finish() {
         fill_results(view(), each, record_);
     }
     if (slings_) slings_->fill(record_);
+    if (scene_.full.row_rate() > scene_.full.output_rate) thin_out(record_.channels, scene_.full.output_rate);
     note_attempts();
     return std::move(record_);
 }
@@ -390,6 +392,7 @@ void FullRun::look_for_events() {
     }
     if (stages_ && !ended_) follow_sequence(steady);
     if (!ended_ && !any_deploys()) look_for_descent();
+    if (!ended_) look_for_recontact();
     if (!ended_) look_for_ground();
     if (!ended_) look_for_stop();
 }
@@ -587,8 +590,41 @@ void FullRun::look_for_descent() {
             event_stop_ = now + scene_.stop.delay;
     }
     if (scene_.stop.kind == Trigger::Kind::peak_force && event_stop_ == longest_flight &&
-        now > drag_area_steady() && observer().filtered_force() < past_peak * observer().peak().value)
+        now > drag_area_steady() && is_past_peak())
         event_stop_ = now + scene_.stop.delay;
+}
+
+bool FullRun::is_past_peak() {
+    const double now = cluster_.time();
+    if (!(observer().filtered_force() < past_peak * observer().peak().value)) {
+        below_peak_since_ = infinity;
+        return false;
+    }
+    below_peak_since_ = std::min(below_peak_since_, now);
+    double bounce = 0.0;
+    for (const std::size_t k : cluster_.out()) {
+        const Simulation& canopy = cluster_[k];
+        const double air = canopy.constants().canopy_mass + canopy.system().added_mass;
+        const double mass = reduced_mass(scene_.payload.mass, air);
+        bounce =
+            std::max(bounce, 2.0 * pi * std::sqrt(mass / line_stiffness(canopies_[k]->view().parachute())));
+    }
+    return now - below_peak_since_ >= bounce;
+}
+
+void FullRun::look_for_recontact() {
+    constexpr double near = 0.1;  // of D0, from the middle of the fabric
+    for (const std::size_t k : cluster_.out()) {
+        if (canopies_[k]->deploys()) continue;
+        const Vec3 apart = cluster_[k].system().sums.canopy_position - to_vec3(cluster_[k].payload().x);
+        if (apart.norm() >= near * canopies_[k]->view().parachute().nominal_diameter) continue;
+        std::optional<double>& met = canopies_[k]->found().met_payload;
+        if (!met) met = cluster_.time();
+        if (scene_.full.contact != Contact::gores) continue;  // others go on, with a warning
+        canopies_[k]->found().fell_in = true;
+        return end(StatusCode::stopped_by_event,
+                   fmt::format("the payload and its canopy met at t = {:.4g} s", cluster_.time()));
+    }
 }
 
 void FullRun::note_squid() {
@@ -746,7 +782,7 @@ void FullRun::serialize(Archive& archive) {
             archive.number("event", *x);
     }
     archive.whole("sound events", sound_events_, 0, record_.events.size());
-    for (double* x : {&descent_frames_from_, &event_stop_})
+    for (double* x : {&descent_frames_from_, &event_stop_, &below_peak_since_})
         archive.number("run", *x);
     clock_.serialize(archive);
     archive.numbers("resumed at", record_.cost.resumed_at);

@@ -67,7 +67,7 @@ private:
         /// So many canopies from `first` on. sequence: of the last of them, which is reefed if any is.
         Together(const Scene& scene, double stated_mass, const Cluster& cluster, std::size_t first,
                  const OpeningSequence* sequence)
-            : observer(cluster[first].mesh(), scene.environment.gravity, scene.full.output_rate, 1,
+            : observer(cluster[first].mesh(), scene.environment.gravity, scene.full.row_rate(), 1,
                        scene.parachutes.front().count),
               view{scene,
                    stated_mass,
@@ -87,7 +87,7 @@ private:
         }
         /// A scene with stages has nothing out at first. mesh: of its first parachute.
         Together(const Scene& scene, const Mesh& mesh, const Cluster& cluster)
-            : observer(mesh, scene.environment.gravity, scene.full.output_rate),
+            : observer(mesh, scene.environment.gravity, scene.full.row_rate()),
               view(RunView{scene, 0.0, cluster, 0, 0, observer, found, nullptr}) {
             observer.weigh_payload(cluster.payload().mass);
         }
@@ -211,6 +211,12 @@ private:
     double shortest_initial_phase(std::size_t k) const;
 
     void look_for_descent();
+    /// Whether the force has stayed well below its peak for as long as payload and canopy take to bounce
+    /// once.
+    bool is_past_peak();
+    /// Notes where the payload falls into its own canopy. Contact between gores, whose axis leads from one to
+    /// the other, means nothing from there on: such a run ends.
+    void look_for_recontact();
 
     void note_squid();
 
@@ -255,6 +261,7 @@ private:
     double descent_frames_from_ = infinity;  // [s]
     double stop_time_;
     double event_stop_ = longest_flight;
+    double below_peak_since_ = infinity;  // [s]
     bool ended_ = false;
     bool begun_ = false;            // with stages: the release is past
     bool evaluated_ = false;        // as parachutes came out

@@ -21,6 +21,12 @@ public:
     bool ready() const { return ready_; }
     double centre() const { return centre_; }  ///< [s] the time that value() belongs to
     double value() const { return value_; }
+    /// Mean of all samples, before there is a window; 0 without any.
+    double so_far() const {
+        if (end_ == 0) return 0.0;
+        const Sample& last = at(end_ - 1);
+        return last.t > start_ ? last.integral / (last.t - start_) : last_value_;
+    }
     /// Integral of the signal from its first sample to time t, the last sample held from there on.
     double integral_until(double t) const {
         if (end_ == 0) return 0.0;

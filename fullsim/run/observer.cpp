@@ -104,6 +104,25 @@ double stress_p90(const State& state, const Mesh& mesh, std::span<const Membrane
     return found;
 }
 
+void thin_out(std::vector<Channel>& channels, double output_rate) {
+    if (channels.empty()) return;
+    const std::vector<double>& time = channels.front().values;
+    std::vector<std::size_t> kept;
+    double next = -1.0;
+    for (std::size_t i = 0; i < time.size(); ++i) {
+        const double interval = std::floor(time[i] * output_rate + 1e-9);
+        if (interval < next && i + 1 < time.size()) continue;
+        next = interval + 1.0;
+        kept.push_back(i);
+    }
+    for (Channel& channel : channels) {
+        std::vector<double> values;
+        for (const std::size_t i : kept)
+            values.push_back(channel.values[i]);
+        channel.values = std::move(values);
+    }
+}
+
 HistoryRow row_of_all(std::span<const HistoryRow> rows) {
     HistoryRow all = rows.front();
     const auto count = static_cast<double>(rows.size());
@@ -218,12 +237,22 @@ void Observer::settle_rows() {
 }
 
 void Observer::finish() {
-    // The last half window has only its past.
+    // The last half window has only its past, and a run that is shorter than that no average but that of all
+    // of it.
+    const auto last = [&](const MovingAverage& average) {
+        return average.ready() ? average.value() : average.so_far();
+    };
+    extremes_.acceleration = std::max(extremes_.acceleration, force_.ready() ? 0.0 : last(acceleration_));
     for (; unsettled_ < rows_.size(); ++unsettled_) {
-        rows_[unsettled_].force = force_.value();
-        rows_[unsettled_].acceleration = acceleration_.value();
+        rows_[unsettled_].force = last(force_);
+        rows_[unsettled_].acceleration = last(acceleration_);
     }
     if (sound_) extremes_.peak = opening_.end();
+}
+
+double Observer::largest_force() const {
+    const double peak = std::max(largest_peak().value, snatch_peak().value);
+    return peak > 0.0 ? peak : std::ranges::max(rows_, {}, &HistoryRow::force).force;
 }
 
 void Observer::forget() {

@@ -30,6 +30,10 @@ struct HistoryRow {
     double impulse;                           // [N s] of the force, step by step, so far
 };
 
+/// Leaves rows out of the channels of a history until there are `output_rate` [1/s] of them. The first and
+/// the last stay.
+void thin_out(std::vector<Channel>& channels, double output_rate);
+
 /// The row of canopies on one payload at one time: forces and areas add up, speeds and pressures are means,
 /// turns are those furthest from 1, the stress is the largest. force_raw: the sum of the sizes, of forces
 /// that need not be parallel.
@@ -120,6 +124,8 @@ public:
     const Peak& raw_peak() const { return extremes_.raw_peak; }
     const Peak& snatch_peak() const { return extremes_.snatch_peak; }  ///< raw, before the peak counts [N]
     double filtered_force() const { return force_.value(); }           ///< [N] half a window ago
+    /// [N] of the whole run: the larger of the two peaks above; of a run that had neither the largest row.
+    double largest_force() const;
     double largest_acceleration() const { return extremes_.acceleration; }  ///< filtered [m/s^2]
 
     /// CanopyShape::turns of the row from `time` on that is furthest from 1; 1 without a row.

@@ -76,7 +76,7 @@ ExpectedFlight expected_flight(const Scene& scene, const RunRecord* expected) {
             make_inflation(scene, chute, snatch, flight.speed, density_at(scene, flight.altitude));
     }
     flight.full_open = std::isfinite(flight.snatch) ? flight.inflation.end_of(Phase::filling) : flight.snatch;
-    if (chute.filling.is_predicted() && expected)
+    if ((chute.filling.is_predicted() || !chute.reefing.empty()) && expected)
         if (const Event* full = expected->find_event("full-open")) flight.full_open = full->time;
     // A descent is not called steady before there is a shape to report, a mean over two seconds.
     if (scene.stop.kind == Trigger::Kind::steady_descent && std::isfinite(flight.full_open))
@@ -112,7 +112,7 @@ public:
                       [threads](const Scene& s, const Mesh& mesh, const NodeConstants& constants) {
                           return make_layout(s, mesh, constants, threads);
                       }),
-          observer_(simulation_.mesh(), scene_.environment.gravity, scene_.full.output_rate) {}
+          observer_(simulation_.mesh(), scene_.environment.gravity, scene_.full.row_rate()) {}
 
     Simulation& simulation() { return simulation_; }
 
@@ -201,7 +201,7 @@ public:
         if (plan_.whole)
             add_bytes(
                 plan_.arrays, "history",
-                sizeof(HistoryRow) * static_cast<std::size_t>(flight_.end * scene_.full.output_rate + 1.0));
+                sizeof(HistoryRow) * static_cast<std::size_t>(flight_.end * scene_.full.row_rate() + 1.0));
         plan_.how = fmt::format("{}: {} steps tried in {} {}{}; ", layout_, tried_, plan_.stages.size(),
                                 plan_.stages.size() == 1 ? "state" : "states",
                                 basis_.threads > 1 ? fmt::format(" on {} threads", basis_.threads) : "");

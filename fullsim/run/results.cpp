@@ -42,6 +42,13 @@ std::optional<double> steady_area_of(const RunView& run) {
     return run.observer.mean(&HistoryRow::projected_area, shape_average);
 }
 
+/// [-] of its nominal area, below which a canopy has stayed a bundle: it has no filling time.
+constexpr double closed_area = 0.02;
+bool has_opened(const RunView& run, double steady_area) {
+    const double D0 = run.parachute().nominal_diameter;
+    return steady_area > closed_area * 0.25 * pi * D0 * D0;
+}
+
 OpeningResult opening_of(const RunView& run, const RunStatus& status, std::optional<double> steady_area) {
     const Observer& seen = run.observer;
     const Findings& found = run.findings;
@@ -57,7 +64,7 @@ OpeningResult opening_of(const RunView& run, const RunStatus& status, std::optio
         result.payload_snatch_speed = run.packed() ? found.payload_snatch_speed : result.snatch_speed;
         result.snatch_density = run.snatch_density();
     }
-    if (steady_area && !run.inflated()) {
+    if (steady_area && !run.inflated() && has_opened(run, *steady_area)) {
         result.filling_time = seen.first_time_of_area(filled_share * *steady_area);
         if (result.filling_time) *result.filling_time -= found.snatch;
     }
@@ -65,7 +72,7 @@ OpeningResult opening_of(const RunView& run, const RunStatus& status, std::optio
     const Observer::Peak peak = run.largest_peak();
     const bool fills = still_fills(run, status);
     if (peak.value > 0.0 && !fills) result.peak_force = peak.value;
-    result.max_force = std::max(peak.value, seen.snatch_peak().value);
+    result.max_force = seen.largest_force();
     result.peak_time = peak.time;
     if (run.sequence && result.snatched) {
         result.parachutes.push_back(stages_of_opening(run));
@@ -246,7 +253,7 @@ void add_structure(const RunView& run, std::optional<double> steady_area, RunRec
             "membrane_stress_p90_N_m", run.observer.rows().back().stress_p90, MetricKind::result,
             fmt::format("10 % of the fabric's area is stressed higher; the largest of {:g} looks a "
                         "second, settles on finer meshes",
-                        run.scene.full.output_rate));
+                        run.scene.full.row_rate()));
     } else {
         for (const char* key : {"max_membrane_stress_N_m", "membrane_stress_p90_N_m"})
             record.missing.push_back(
@@ -291,7 +298,13 @@ NeverOpened turned_through(const RunView& run) {
             true};
 }
 
+NeverOpened fallen_into() {
+    return {0, 1, "the payload fell into it, which contact between gores does not know",
+            "release it on a flatter path, or deploy it later", true};
+}
+
 std::vector<NeverOpened> unopened_of_one(const RunView& run) {
+    if (run.findings.fell_in) return {fallen_into()};
     if (run.sequence) return never_opened(*run.sequence);
     if (run.parachute().filling.is_predicted() && run.snatched() && run.findings.landing_time &&
         !std::isfinite(run.full_open()))
@@ -328,9 +341,13 @@ Reached reached_by(const RunView& run, bool has_filling_time) {
     reached.filling = run.snatched() && !reached.full_open;
     if (!reached.full_open || has_filling_time) return reached;
     reached.filling_cut_short = end < run.full_open() + shape_average;
+    const auto steady = steady_area_of(run);
+    const bool closed = steady && !has_opened(run, *steady);
     reached.no_filling_time =
         reached.filling_cut_short
             ? fmt::format("the run ended less than {:g} s after full open", shape_average)
+        : closed
+            ? "the canopy stayed closed"
             : fmt::format("the projected area never came to {:g} % of its steady mean", 100.0 * filled_share);
     return reached;
 }
@@ -338,7 +355,7 @@ Reached reached_by(const RunView& run, bool has_filling_time) {
 /// Time [s] at which the projected area of a canopy is that of the steady one, but for filled_share.
 std::optional<double> filled_at(const RunView& run) {
     const std::optional<double> steady = steady_area_of(run);
-    if (!steady) return {};
+    if (!steady || !has_opened(run, *steady)) return {};
     return run.observer.first_time_of_area(filled_share * *steady);
 }
 
@@ -387,7 +404,7 @@ OpeningResult flight_of(const StagesView& run, std::span<const RunView> parachut
         if (!parachutes.empty()) note_peaks(run, parachutes, result);
     }
     if (overlap(each)) add_canopy_peaks(each, result);
-    result.max_force = std::max(run.observer.largest_peak().value, run.observer.snatch_peak().value);
+    result.max_force = run.observer.largest_force();
     for (const ParachuteResult& opening : run.openings)
         result.max_force = std::max(result.max_force, opening.snatch_force.value_or(0.0));
     result.max_deceleration = run.observer.largest_acceleration();
@@ -424,6 +441,14 @@ void add_parachute(const RunView& run, bool several, RunRecord& record) {
     }
 }
 
+/// The largest force of a snatch is no average: a pull of the lines lasts for milliseconds.
+void note_snatch_is_largest(const Observer& seen, const OpeningResult& result, RunRecord& record) {
+    const auto metric = std::ranges::find(record.metrics, "max_force_N", &Metric::key);
+    if (metric != record.metrics.end() && result.max_force > seen.largest_peak().value &&
+        result.max_force > 0.0 && metric->note.empty())
+        metric->note = "of a snatch, without the 5 ms average of other forces";
+}
+
 }  // namespace
 
 bool went_through_itself(const RunView& run) {
@@ -443,6 +468,7 @@ void fill_results(const RunView& run, std::span<const RunView> each, RunRecord& 
     if (result.peak_force)
         record.add_metric("peak_force_raw_N", run.observer.raw_peak().value, MetricKind::result,
                           "without the 5 ms average");
+    note_snatch_is_largest(run.observer, result, record);
     add_past_events(run.observer, run.findings.snatch, result, record);
     add_structure(run, steady_area, record);
     record.energy = run.canopies.ledger();
@@ -477,6 +503,7 @@ void fill_results_of_stages(const StagesView& run, std::span<const RunView> para
     if (result.peak_force)
         record.add_metric("peak_force_raw_N", run.observer.raw_peak().value, MetricKind::result,
                           "without the 5 ms average");
+    note_snatch_is_largest(run.observer, result, record);
     add_past_events(run.observer, result.snatch_time, result, record);
     record.energy = run.canopies.ledger();
     record.channels = run.observer.channels();
@@ -497,11 +524,12 @@ void fill_results_of_stages(const StagesView& run, std::span<const RunView> para
     for (const RunView& one : parachutes)
         if (one.snatched() && !one.inflated() && one.parachute().reefing.empty())
             add_opening_warnings(record, scene, scene.parachutes[run.canopies.parachute(one.first)],
-                                 without_lag(one), one.snatch_speed(), one.snatch_density());
+                                 without_lag(one), one.snatch_altitude(), one.snatch_speed(),
+                                 one.snatch_density());
     std::vector<NeverOpened> unopened = never_opened(run.sequence);
     for (const std::size_t k : run.canopies.out())
-        if (went_through_itself(each[k])) {
-            NeverOpened one = turned_through(each[k]);
+        if (each[k].findings.fell_in || went_through_itself(each[k])) {
+            NeverOpened one = each[k].findings.fell_in ? fallen_into() : turned_through(each[k]);
             one.parachute = run.canopies.parachute(k);
             add_unopened(unopened, std::move(one));
         }
@@ -509,14 +537,13 @@ void fill_results_of_stages(const StagesView& run, std::span<const RunView> para
         warn_of_unsteady_descent(record, scene, run.findings.last_window);
     Reached reached;
     reached.ground = run.findings.landing_time.has_value();
-    reached.full_open =
-        !run.canopies.out().empty() && run.sequence.is_open() && !run.sequence.any_waits_to_leave();
-    reached.filling = !run.canopies.out().empty() && !run.sequence.is_open();
+    reached.full_open = run.sequence.is_open() && !run.sequence.any_waits_to_leave();
+    reached.filling = !run.sequence.is_open();
     if (!several && !parachutes.empty())
         reached = reached_by(parachutes.front(), result.filling_time.has_value());
     reached.ground = run.findings.landing_time.has_value();
     note_never_opened(record, scene, unopened, reached);
-    warn_of_early_cuts(record, scene, run.sequence);
+    warn_of_cuts(record, scene, run.sequence);
     note_missing_metrics(record, scene, reached);
     record.left_out = left_out_of(parts_of(scene));
     if (several) {

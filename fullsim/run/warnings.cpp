@@ -51,8 +51,8 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
     };
     const bool opened = run.snatched(), flight_too = !run.canopies.is_staged();
     if (opened && flight_too && !run.inflated() && !run.sequence)
-        add_opening_warnings(record, run.scene, run.parachute(), without_lag(run), run.snatch_speed(),
-                             run.snatch_density());
+        add_opening_warnings(record, run.scene, run.parachute(), without_lag(run), run.snatch_altitude(),
+                             run.snatch_speed(), run.snatch_density());
     if (flight_too) add_scene_warnings(record, run.scene);
     if (!opened && flight_too)
         warn("no snatch", "the lines never came taut: nothing drew the parachute out far enough",
@@ -157,6 +157,10 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
                  "its fabric and openings let out more than its mouth takes in at this speed",
                  "check permeability and geometric_porosity; such a canopy would not have that drag area");
     }
+    if (run.findings.met_payload && !run.findings.fell_in)
+        warn(fmt::format("the payload went through its canopy at t = {:.4g} s", *run.findings.met_payload),
+             "it came within a tenth of D0 of the middle of the fabric, and nothing keeps one from the other",
+             "do not trust what comes after; release it on a flatter path, or deploy it later");
     const Simulation& capped =
         run.worst([](const SystemState& s) { return static_cast<double>(s.capped_steps); });
     if (capped.system().capped_steps > 0)
@@ -170,7 +174,7 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
     if (record.status.code != StatusCode::completed || !opened) return;
     if (steady_area) return;
     const bool was_cut = !run.canopies.is_out(run.first);
-    if (was_cut && run.simulation().system().time < run.full_open()) return;  // warn_of_early_cuts
+    if (was_cut && run.simulation().system().time < run.full_open()) return;  // warn_of_cuts
     warn("no filling time and no steady shape",
          fmt::format("{} less than {:g} s after full open", was_cut ? "it was cut" : "the run ended",
                      shape_average),

@@ -65,7 +65,7 @@ public:
                 });
         };
         add(*structure_);
-        state.riser_force = to_vec3(state.force[mesh_.payload()].value);
+        note_riser_force(state, mesh_.payload());
         add(*loads_);
     }
     CriticalSteps critical_steps(const State& state) override {

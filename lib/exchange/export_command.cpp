@@ -15,6 +15,7 @@
 #include "lib/exchange/imported_scene.hpp"
 #include "lib/math/vec.hpp"
 #include "lib/record/file_batch.hpp"
+#include "lib/scene/drag_area.hpp"
 #include "lib/scene/trigger.hpp"
 
 namespace twinchute::exchange {
@@ -94,7 +95,7 @@ std::string parachute_text(const Scene& scene, const RunRecord& record, const Pa
     text += fmt::format("\n# {}\n", one_line(chute.name));
     left_out(!chute.reefing.empty(), "reefing; the parachute opens in one");
     left_out(chute.cut.has_value(), "cut; RocketPy drops a parachute where the next one opens");
-    const bool stays = !chute.cut && &chute != &scene.parachutes.back();
+    const bool stays = !chute.cut && &chute != &landing_parachute(scene);
     left_out(stays,
              "its drag once the next parachute is open; RocketPy then drops it, this scene keeps both");
     left_out(chute.deploy.starts_packed(), "deployment from the pack; its time is not in lag");

@@ -107,6 +107,10 @@ double speed_of_sound(double temperature) {
     return std::sqrt(heat_capacity_ratio * gas_constant * temperature);
 }
 
+double Atmosphere::reach(double altitude) const {
+    return reach_among(std::span(table.altitude), altitude);
+}
+
 std::optional<double> Atmosphere::speed_of_sound(double altitude) const {
     if (!model->has_temperature) return std::nullopt;
     return twinchute::speed_of_sound(at(altitude).temperature);

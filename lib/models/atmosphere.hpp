@@ -52,6 +52,9 @@ struct Atmosphere {
     /// layer is continued; read_scene refuses releases out there.
     AirState at(double altitude) const { return model->at(*this, altitude); }
 
+    /// [m] How far a step from an altitude may go, up or down, without leaping over a measured layer.
+    double reach(double altitude) const;
+
     /// [m/s] at an altitude [m], sqrt(gamma R T) with gamma = 1.4 (US76, Eq. 50); none in air without a
     /// temperature.
     std::optional<double> speed_of_sound(double altitude) const;

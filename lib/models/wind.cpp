@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/math/interpolation.hpp"
+
 namespace twinchute {
 
 Vec3 Wind::at(double altitude) const {
@@ -12,6 +14,10 @@ Vec3 Wind::at(double altitude) const {
     const WindLevel& low = *(above - 1);
     const double share = (altitude - low.altitude) / (above->altitude - low.altitude);
     return low.velocity + share * (above->velocity - low.velocity);
+}
+
+double Wind::reach(double altitude) const {
+    return reach_among(std::span<const WindLevel>(levels), altitude, &WindLevel::altitude);
 }
 
 Wind uniform_wind(const Vec3& velocity) {

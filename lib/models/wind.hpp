@@ -29,6 +29,9 @@ struct Wind {
     Vec3 at(double altitude) const;
 
     /// Whether the levels reach from `low` to `high` [m]; a single level holds everywhere.
+    /// [m] How far a step from an altitude may go, up or down, without leaping over a layer.
+    double reach(double altitude) const;
+
     bool covers(double low, double high) const {
         return levels.size() == 1 || (levels.front().altitude <= low && levels.back().altitude >= high);
     }

@@ -79,13 +79,8 @@ void check_stop(const Scene& scene, const Values& values, const Complain& compla
 /// Soundings seldom begin at the ground: that is no mistake, but it is said.
 void warn_of_wind(Scene& scene) {
     const Environment& e = scene.environment;
-    if (!e.wind || e.wind->covers(e.ground, scene.release.altitude)) return;
-    scene.warnings.push_back({fmt::format("the wind of {} ends inside the flight", e.wind->table),
-                              fmt::format("its levels reach from {} to {} m, the fall from {} to {} m; the "
-                                          "wind of the nearest level goes on",
-                                          e.wind->levels.front().altitude, e.wind->levels.back().altitude,
-                                          e.ground, scene.release.altitude),
-                              "add levels to the table"});
+    if (auto warning = wind_warning(e, e.ground, scene.release.altitude))
+        scene.warnings.push_back(std::move(*warning));
 }
 
 /// Checks the keys that this scene needs of the parachute whichever model runs it.
@@ -112,8 +107,8 @@ void correct_drag_area(Scene& scene, const Complain& complain) {
     warn_of_drag_area(scene);
 }
 
-void check_size(const Scene& scene, const Complain& complain) {
-    const auto& s = scene.size;
+void check_size(Scene& scene, const Complain& complain) {
+    auto& s = scene.size;
     if (s && !s->max_descent_rate && !s->max_force && !s->max_canopy_force && !s->max_deceleration)
         complain.about("size.max_descent_rate", "no limit is given", "there is nothing to meet",
                        "give max_descent_rate, max_force, max_canopy_force or max_deceleration");
@@ -121,6 +116,8 @@ void check_size(const Scene& scene, const Complain& complain) {
         std::ranges::find(scene.parachutes, s->parachute, &Parachute::name) == scene.parachutes.end())
         complain.about("size.parachute", fmt::format("there is no parachute '{}'", s->parachute), "",
                        "write the name of one of [[parachute]]");
+    if (s && s->parachute.empty() && scene.parachutes.size() > 1)
+        s->parachute = landing_parachute(scene).name;
     using enum Trigger::Kind;
     const Trigger::Kind stop = scene.stop.kind;
     if (s && s->max_descent_rate && (stop == peak_force || stop == full_open || stop == line_stretch))

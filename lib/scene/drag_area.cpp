@@ -104,7 +104,7 @@ void warn_of_drag_area(Scene& scene, const Parachute& p) {
     const double factor = find_line_ratio("flat-circular")->factor(ratio).value;
     if (std::abs(factor - 1.0) > notable)
         scene.warnings.push_back(
-            {fmt::format("line ratio {:.2f}", ratio),
+            {fmt::format("{}line ratio {:.2f}", scene.parachutes.size() > 1 ? p.name + ": " : "", ratio),
              fmt::format(
                  "C_D0 of a type belongs to lines of D0; a flat circular canopy would have {:.0f} % of it",
                  100.0 * factor),
@@ -112,6 +112,13 @@ void warn_of_drag_area(Scene& scene, const Parachute& p) {
 }
 
 }  // namespace
+
+const Parachute& landing_parachute(const Scene& scene) {
+    const auto drag_area = [](const Parachute& p) { return p.count * p.cluster_drag_ratio * p.drag_area; };
+    return *std::ranges::max_element(scene.parachutes, [&](const Parachute& a, const Parachute& b) {
+        return std::pair(!a.cut, drag_area(a)) < std::pair(!b.cut, drag_area(b));
+    });
+}
 
 void warn_of_drag_area(Scene& scene) {
     for (const Parachute& p : scene.parachutes)

@@ -13,6 +13,10 @@ double line_ratio(const Parachute& chute);
 /// of it. Lines, risers, D_p/D0 and the payload's diameter have to be known where a correction needs them.
 void set_drag_area(const Scene& scene, Parachute& p, double stated);
 
+/// The parachute that the payload lands under: of those that are not cut, or else of all, the one with the
+/// largest drag area, whichever place it has in the scene.
+const Parachute& landing_parachute(const Scene& scene);
+
 /// [m^2] before corrections.
 double stated_drag_area(const Parachute& chute);
 

@@ -593,7 +593,7 @@ constexpr Key scene_rows[] = {
      .meaning = "largest force of any single canopy, at the confluence; of one alone the opening force"},
     {.path = "size.max_deceleration", .binding = of_size<&SizeSpec::max_deceleration>, .unit = "m/s^2", .need = optional, .fallback = "no limit", .range = above(0, 1e5), .user = KeyUser::size,
      .meaning = "of the payload, e.g. \"5 g0\""},
-    {.path = "size.parachute", .binding = of_size<&SizeSpec::parachute>, .kind = text, .need = optional, .fallback = "the last", .user = KeyUser::size,
+    {.path = "size.parachute", .binding = of_size<&SizeSpec::parachute>, .kind = text, .need = optional, .fallback = "the one that the payload lands under", .user = KeyUser::size,
      .meaning = "name of the one that is sized"},
     {.path = "size.vary", .binding = of_size<&SizeSpec::vary>, .kind = list, .need = defaulted, .fallback = "nominal_diameter", .choices = listed<varied>, .user = KeyUser::size,
      .meaning = "in the order in which they are decided on: the smallest diameter, the largest speed; ratio and delay of the first reefed stage with the least load"},

@@ -39,6 +39,11 @@ double mouth_radius_at_line_stretch(const Parachute& chute) {
     return std::sqrt(mouth_area_at_line_stretch(chute) / polygon);
 }
 
+double line_stiffness(const Parachute& chute) {
+    return chute.count * chute.gores * chute.line.axial_stiffness() /
+           (chute.line_length + chute.riser_length);
+}
+
 FillTimeInputs fill_inputs(const Scene& scene, const Parachute& chute, double speed, double density) {
     FillTimeInputs in;
     in.nominal_diameter = chute.nominal_diameter;

@@ -20,6 +20,9 @@ double mouth_area_at_line_stretch(const Parachute& chute);
 /// Distance [m] of the seams from the axis when they alone border that mouth: the lines have to be longer.
 double mouth_radius_at_line_stretch(const Parachute& chute);
 
+/// [N/m] of lines and risers together, of the whole cluster: a riser has as many strands as it carries lines.
+double line_stiffness(const Parachute& chute);
+
 /// Inputs of filling times at a snatch with airspeed `speed` [m/s] in air of `density` [kg/m^3]: for one
 /// canopy, and in a cluster for its share of the payload.
 FillTimeInputs fill_inputs(const Scene& scene, const Parachute& chute, double speed, double density);

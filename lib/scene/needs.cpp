@@ -247,4 +247,16 @@ std::optional<Warning> stand_in(const Parachute& chute) {
                    "trust drag area and forces of the whole, not the stresses; or give parachute.mesh"};
 }
 
+std::optional<Warning> wind_warning(const Environment& environment, double low, double high) {
+    const std::optional<Wind>& wind = environment.wind;
+    if (!wind || wind->covers(low, high)) return {};
+    return Warning{
+        fmt::format("the wind of {} ends inside the flight", wind->table),
+        fmt::format(
+            "its levels reach from {:.6g} to {:.6g} m, the flight from {:.6g} to {:.6g} m; the wind of "
+            "the nearest level goes on",
+            wind->levels.front().altitude, wind->levels.back().altitude, low, high),
+        "add levels to the table"};
+}
+
 }  // namespace twinchute

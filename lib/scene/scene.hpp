@@ -3,7 +3,9 @@
 // array and no branch in any inner loop; choices are enums or pointers to rows of model tables.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -312,15 +314,18 @@ struct FullSettings {
     double switch_area_ratio = 0.0;  ///< mouth area over the steady projected area at the change [-]
     /// [s] over which the stiffness of the finite elements grows; absent: by D0/v
     std::optional<double> ramp_time = {};
-    double beta = 0.0;                  ///< [s] stiffness-proportional damping of cables and spring edges
-    double alpha = 0.0;                 ///< [1/s] mass-proportional Rayleigh damping about the mean motion
-    bool alpha_from_release = false;    ///< otherwise from snatch on
-    double bulk_viscosity = 0.0;        ///< b1 [-] (paper, Eq. 3)
-    double time_step_factor = 0.0;      ///< share of the bound on the critical time step [-]
-    int line_substeps = 1;              ///< most steps of lines and risers within one of the canopy
-    double mass_scaling = 0.0;          ///< mass added where nodes set the step, of canopy and its air [-]
-    double strain_limit = 0.0;          ///< largest strain that a run may reach [-]
-    double output_rate = 0.0;           ///< [1/s] rows of the history
+    double beta = 0.0;                ///< [s] stiffness-proportional damping of cables and spring edges
+    double alpha = 0.0;               ///< [1/s] mass-proportional Rayleigh damping about the mean motion
+    bool alpha_from_release = false;  ///< otherwise from snatch on
+    double bulk_viscosity = 0.0;      ///< b1 [-] (paper, Eq. 3)
+    double time_step_factor = 0.0;    ///< share of the bound on the critical time step [-]
+    int line_substeps = 1;            ///< most steps of lines and risers within one of the canopy
+    double mass_scaling = 0.0;        ///< mass added where nodes set the step, of canopy and its air [-]
+    double strain_limit = 0.0;        ///< largest strain that a run may reach [-]
+    double output_rate = 0.0;         ///< [1/s] rows of the history
+    /// [1/s] of the rows that a run takes: a whole multiple of it, and enough for what is found from rows,
+    /// such as an impulse or the stress that most of the fabric bears.
+    double row_rate() const { return output_rate * std::max(1.0, std::ceil(200.0 / output_rate)); }
     std::optional<double> fields_rate;  ///< [1/s] frames of the fields; absent: none
     std::optional<Noise> noise;
     double checkpoint_interval = 0.0;  ///< [s] of wall time from one checkpoint to the next; 0: none

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "lib/record/metrics.hpp"
+#include "lib/scene/drag_area.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/scene/needs.hpp"
 
@@ -50,7 +51,13 @@ Inflation endless(const Parachute& chute, double begin, double initial_time, dou
     return inflation;
 }
 
-/// A stage from `share` of the open canopy's drag area on; t_i is part of its filling time.
+/// [s] at a snatch of that speed.
+double initial_phase_of(const Parachute& chute, double speed) {
+    return chute.initial_phase.transit ? 0.5 * chute.nominal_diameter / speed : chute.initial_phase.seconds;
+}
+
+/// A stage from `share` of the open canopy's drag area on. A whole filling time has the initial phase in it,
+/// whether this stage begins with one or not.
 Inflation stage_of(const Scene& scene, const Parachute& chute, std::size_t stage, double share,
                    double initial_time, double speed, double density) {
     const bool reefed = stage < chute.reefing.size();
@@ -60,9 +67,12 @@ Inflation stage_of(const Scene& scene, const Parachute& chute, std::size_t stage
     Inflation inflation;
     inflation.share = share_of(chute, stage);
     const double part = filled(chute, inflation.share) - filled(chute, share);
-    const bool is_whole = fill.given > 0.0 || part == 1.0;
+    // One that was told in seconds belongs to the snatch, and may be long for what comes later.
+    const double transit =
+        initial_time > 0.0 ? initial_time : std::min(initial_phase_of(chute, speed), 0.5 * whole);
+    const bool is_whole = fill.given > 0.0 || (part == 1.0 && initial_time == transit);
     inflation.initial_time = initial_time;
-    inflation.filling_time = is_whole ? whole : initial_time + (whole - initial_time) * std::sqrt(part);
+    inflation.filling_time = is_whole ? whole : initial_time + (whole - transit) * std::sqrt(part);
     inflation.steady_drag_area = chute.drag_area * chute.cluster_drag_ratio * inflation.share;
     inflation.eta = std::sqrt(share / inflation.share);
     inflation.law = chute.drag_area_law;
@@ -72,6 +82,25 @@ Inflation stage_of(const Scene& scene, const Parachute& chute, std::size_t stage
 }
 
 }  // namespace
+
+std::optional<RunStatus> refused_opening(const Inflation& inflation, double speed) {
+    const double filling = inflation.filling_time - inflation.initial_time;
+    if (filling > 0.0 && filling <= longest_flight) return {};
+    if (filling <= 0.0)
+        return RunStatus{
+            StatusCode::refused,
+            fmt::format(
+                "a snatch at {:.4g} m/s: the initial phase is not shorter than the filling time (t_i = "
+                "{:.4g} s, t_f = {:.4g} s), shorten parachute.initial_phase or lengthen "
+                "parachute.fill_time",
+                speed, inflation.initial_time, inflation.filling_time)};
+    return RunStatus{
+        StatusCode::refused,
+        fmt::format("a snatch at {:.4g} m/s: the canopy would fill for {:.4g} s, longer than any "
+                    "flight, deploy it later, as by deploy.when.delay, or give "
+                    "parachute.fill_time.time",
+                    speed, inflation.filling_time)};
+}
 
 FillingCanopy filling_canopy(const Parachute& chute) {
     FillingSizes sizes;
@@ -89,8 +118,7 @@ Inflation make_inflation(const Scene& scene, const Parachute& chute, double snat
     if (chute.filling.is_predicted())
         return endless(chute, snatch, 0.5 * chute.nominal_diameter / speed,
                        chute.filling.initial_mouth * chute.drag_area * chute.cluster_drag_ratio);
-    const double initial_time =
-        chute.initial_phase.transit ? 0.5 * chute.nominal_diameter / speed : chute.initial_phase.seconds;
+    const double initial_time = initial_phase_of(chute, speed);
     Inflation inflation =
         stage_of(scene, chute, stage, chute.initial_drag_area_ratio, initial_time, speed, density);
     inflation.snatch = snatch;
@@ -423,6 +451,12 @@ void add_reefed_drag_areas(RunRecord& record, const Scene& scene, const OpeningR
     }
 }
 
+bool all_are_cut(const RunRecord& record, const Scene& scene) {
+    return std::ranges::all_of(scene.parachutes, [&](const Parachute& p) {
+        return record.find_event(scene.parachutes.size() > 1 ? p.name + ".cut" : "cut") != nullptr;
+    });
+}
+
 void warn_of_unsteady_descent(RunRecord& record, const Scene& scene,
                               const std::optional<DescentWindow>& last) {
     using enum Trigger::Kind;
@@ -431,10 +465,11 @@ void warn_of_unsteady_descent(RunRecord& record, const Scene& scene,
                                  record.status.code == StatusCode::stopped_by_event ||
                                  record.status.code == StatusCode::time_limit;
     if (!ended_by_itself || stop == full_open || stop == line_stretch || stop == peak_force) return;
+    if (all_are_cut(record, scene)) return;  // warn_of_cuts says what that means
     const bool has_landed = record.find_event("ground") != nullptr;
     const bool waits = last && last->is_steady();
     record.warnings.push_back({not_steady_within_run, unsteadiness_text(last),
-                               waits        ? "check what that parachute waits for"
+                               waits        ? "check what that parachute waits for, or why it does not fill"
                                : has_landed ? "release higher, or lower environment.ground"
                                             : "stop later, or with stop.at = \"steady-descent\""});
 }
@@ -496,18 +531,18 @@ bool overshoots(const Parachute& chute) {
 /// [-] change of the snatch speed by gravity during filling, up to which it is one speed for all of it.
 constexpr double steady_speed = 0.1;
 
-/// A canopy is opened by air that presses harder than it will at last. Those before the last parachute need
-/// not carry the payload.
+/// A canopy is opened by air that presses harder than it will at last, unless the scene says how long it
+/// takes.
 void warn_of_weak_snatch(RunRecord& record, const Scene& scene, const Parachute& chute,
-                         const Inflation& inflation, double speed, double density) {
-    if (&chute != &scene.parachutes.back()) return;
+                         const Inflation& inflation, double speed, double density, const std::string& whose) {
+    if (chute.fill_time.given > 0.0) return;
     const double weight = (scene.payload.mass + chute.count * chute.mass) * scene.environment.gravity;
     const double area = chute.count * chute.cluster_drag_ratio * chute.drag_area;
     const double steady = std::sqrt(2.0 * weight / (density * area));
     if (speed >= steady) return;
     if (scene.environment.gravity * inflation.filling_time > steady_speed * speed) {
         record.warnings.push_back(
-            {fmt::format("too slow to inflate: {:.3g} m/s at snatch", speed),
+            {fmt::format("{}too slow to inflate: {:.3g} m/s at snatch", whose, speed),
              fmt::format(
                  "slower than the open canopy falls, {:.3g} m/s: n D0/v_s takes that speed for the whole "
                  "opening, and no test says how a canopy fills in it",
@@ -515,9 +550,12 @@ void warn_of_weak_snatch(RunRecord& record, const Scene& scene, const Parachute&
              "release faster or fall further before snatch, or give fill_time.time"});
         return;
     }
-    // The speed hardly changes meanwhile: what lacks is air, as high up on the way to an apogee.
+    // The speed hardly changes meanwhile: what lacks is air, as high up on the way to an apogee. Others than
+    // the one that lands the payload need not carry it.
+    if (&chute != &landing_parachute(scene)) return;
     record.warnings.push_back(
-        {fmt::format("thin air: a dynamic pressure of {:.3g} Pa at snatch", 0.5 * density * speed * speed),
+        {fmt::format("{}thin air: a dynamic pressure of {:.3g} Pa at snatch", whose,
+                     0.5 * density * speed * speed),
          fmt::format("the open canopy carries its payload at {:.3g} Pa; no test says how a canopy fills in "
                      "less, or whether it does",
                      weight / area),
@@ -542,7 +580,7 @@ void warn_of_round_filling(RunRecord& record, const Parachute& chute, const std:
 }  // namespace
 
 void add_opening_warnings(RunRecord& record, const Scene& scene, const Parachute& chute,
-                          const Inflation& inflation, double speed, double density) {
+                          const Inflation& inflation, double altitude, double speed, double density) {
     const std::string whose = scene.parachutes.size() > 1 ? chute.name + ": " : "";
     const FillTimeInputs in = fill_inputs(scene, chute, speed, density);
     const double mass_ratio = in.mass_ratio();
@@ -555,7 +593,7 @@ void add_opening_warnings(RunRecord& record, const Scene& scene, const Parachute
              "treat the peak force as a lower bound"});
     // The others judge a filling time that was told.
     if (chute.filling.is_predicted()) return warn_of_round_filling(record, chute, whose);
-    warn_of_weak_snatch(record, scene, chute, inflation, speed, density);
+    warn_of_weak_snatch(record, scene, chute, inflation, speed, density, whose);
     warn_of_fill_table(record, chute, in, whose);
     warn_of_typical_filling(record, chute, speed, whose);
     // By default its share follows from n alone, which is said beside n: there is nothing to correct.
@@ -565,13 +603,13 @@ void add_opening_warnings(RunRecord& record, const Scene& scene, const Parachute
                                                100.0 * inflation.initial_time / inflation.filling_time),
                                    "tests show at most 15 % (paper, 3.2.2)",
                                    "shorten parachute.initial_phase, or give a longer fill time"});
-    const double height = scene.release.altitude - scene.environment.ground;
+    const double height = altitude - scene.environment.ground;
     if (inflation.filling_time * speed > height)
         record.warnings.push_back(
-            {fmt::format("{}the canopy fills over {:.3g} m, the release is {:.3g} m above ground", whose,
+            {fmt::format("{}the canopy fills over {:.3g} m, from {:.3g} m above ground", whose,
                          inflation.filling_time * speed, height),
              fmt::format("t_f = {:.3g} s at the snatch speed of {:.3g} m/s", inflation.filling_time, speed),
-             "check fill_time, or release higher"});
+             "check fill_time, or open higher"});
 }
 
 void add_scene_warnings(RunRecord& record, const Scene& scene) {

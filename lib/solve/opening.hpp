@@ -33,10 +33,16 @@ Inflation make_inflation(const Scene& scene, const Parachute& chute, double snat
 /// Filling times: a correlation gives that of the whole opening. A stage takes its part sqrt(g_end - g_start)
 /// with g = ((C_D S) - (C_D S)_i)/((C_D S)_0 - (C_D S)_i), the share of the filling that is done: for a first
 /// stage sqrt((C_D S)_r/(C_D S)_0), so that a reefed canopy fills over as many of its own diameters as an
-/// open one over its; nothing for a stage that adds nothing, all of it for one that begins at (C_D S)_i. A
-/// definition of this toolkit; a fill_time of the stage is taken in the same way, a given time as it stands.
+/// open one over its; nothing for a stage that adds nothing, all of it for one that begins at (C_D S)_i. The
+/// initial phase is part of a correlation's time, and only the first stage has one: the others take their
+/// part of the rest. A definition of this toolkit; a fill_time of the stage is taken in the same way, a given
+/// time as it stands.
 Inflation next_stage(const Scene& scene, const Parachute& chute, std::size_t stage, const Inflation& before,
                      Phase phase, double time, double speed, double density);
+/// Why an opening whose filling time is told cannot take place, if so: its initial phase is not shorter than
+/// its filling, or at `speed` [m/s] through the air, near rest, it would fill for longer than any flight.
+std::optional<RunStatus> refused_opening(const Inflation& inflation, double speed);
+
 /// The canopy of a parachute whose filling is predicted, as the balance of its air needs it.
 FillingCanopy filling_canopy(const Parachute& chute);
 
@@ -137,6 +143,9 @@ void add_drag_area_times(RunRecord& record, const Scene& scene, const OpeningRes
 void add_stage_descent_rates(RunRecord& record, const Scene& scene, const OpeningResult& result);
 /// Adds the drag area that the only parachute, whose filling is predicted, has behind each reefing line.
 void add_reefed_drag_areas(RunRecord& record, const Scene& scene, const OpeningResult& result);
+/// No parachute is left.
+bool all_are_cut(const RunRecord& record, const Scene& scene);
+
 /// Warns of a run that ended before its descent was steady, unless its stop condition is one of the opening.
 /// `last`: the last window that was judged, if any.
 void warn_of_unsteady_descent(RunRecord& record, const Scene& scene,
@@ -146,10 +155,10 @@ void warn_of_unsteady_descent(RunRecord& record, const Scene& scene,
 /// Loads: the metrics max_line_tension_N, max_membrane_stress_N_m and membrane_stress_p90_N_m of the record.
 void add_strength_margins(RunRecord& record, const Parachute& chute);
 
-/// Warnings about an opening that hold for every fidelity (M_r > 1, ...). speed, density: at snatch [m/s],
-/// [kg/m^3].
+/// Warnings about an opening that hold for every fidelity (M_r > 1, ...). altitude, speed, density: at snatch
+/// [m], [m/s], [kg/m^3].
 void add_opening_warnings(RunRecord& record, const Scene& scene, const Parachute& chute,
-                          const Inflation& inflation, double speed, double density);
+                          const Inflation& inflation, double altitude, double speed, double density);
 /// Warnings about the scene alone.
 void add_scene_warnings(RunRecord& record, const Scene& scene);
 

@@ -269,7 +269,8 @@ std::vector<OpeningSequence::Unopened> OpeningSequence::unopened() const {
                                          ? "deploy.when"
                                          : fmt::format("reefing.{}.until", c.stage + 1);
             list.push_back({i, fmt::format("{}, {}, was {}", what, trigger_text(*wait.trigger),
-                                           wait.due == infinity ? "not met" : "met and not yet acted upon")});
+                                           wait.due == infinity ? "not met"
+                                                                : fmt::format("due at {:.4g} s", wait.due))});
         }
     }
     return list;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lib/scene/trigger.hpp"
+#include "lib/solve/opening.hpp"
 
 namespace twinchute {
 
@@ -53,19 +54,25 @@ void note_never_opened(RunRecord& record, const Scene& scene, const std::vector<
     status = {StatusCode::not_opened, status.detail + why};
 }
 
-void warn_of_early_cuts(RunRecord& record, const Scene& scene, const OpeningSequence& sequence) {
+void warn_of_cuts(RunRecord& record, const Scene& scene, const OpeningSequence& sequence) {
     for (std::size_t p = 0; p < scene.parachutes.size(); ++p) {
         const bool early = std::ranges::any_of(sequence.all(), [&](const Canopy& c) {
             return c.index == p && c.state == Canopy::State::cut &&
-                   (c.phase == Phase::initial || c.phase == Phase::filling);
+                   (c.phase == Phase::initial || c.phase == Phase::filling || c.is_reefed());
         });
         const Parachute& chute = scene.parachutes[p];
         if (early)
-            record.warnings.push_back(
-                {fmt::format("{} was cut before it was full", chute.name),
-                 fmt::format("its cut, {}, came while it was still filling", trigger_text(*chute.cut)),
-                 "cut it later, or let it fill faster"});
+            record.warnings.push_back({fmt::format("{} was cut before it was full", chute.name),
+                                       fmt::format("its cut, {}, came while it was still filling or reefed",
+                                                   trigger_text(*chute.cut)),
+                                       "cut it later, or let it fill faster"});
     }
+    if (record.find_event("ground") != nullptr && all_are_cut(record, scene))
+        record.warnings.push_back(
+            {"the payload landed without a parachute",
+             "the last one had been cut: there is no descent rate, and speed and energy "
+             "of the landing are those of a payload that falls alone",
+             "check parachute.cut, or give another parachute"});
 }
 
 void note_missing_metrics(RunRecord& record, const Scene& scene, const Reached& reached) {

@@ -466,7 +466,7 @@ void OdeSolver::watch(int count, Roots roots) {
     if (count > 0) s.roots(s.t, values(s.y), s.start_values);
 }
 
-OdeSolver::Outcome OdeSolver::advance() {
+OdeSolver::Outcome OdeSolver::advance(double longest) {
     Impl& s = *impl_;
     if (s.is_back) {
         restart(s.t, std::vector<double>(state().begin(), state().end()));
@@ -474,6 +474,11 @@ OdeSolver::Outcome OdeSolver::advance() {
     }
     if (s.is_new) s.begin();
     s.begin_step();
+    // A limit that SUNDIALS has one for acts on the step after the next: the length of this one is known.
+    const double left = s.stop - s.t;
+    const bool is_limited = longest < left;
+    const double limit = s.t + std::min(longest, 0.5 * left);  // and leaves no sliver of a step
+    if (is_limited) s.require(s.calls.set_stop_time(s.memory, limit), "SetStopTime");
     double reached = s.t;
     // In one-step mode the time asked for only tells the direction.
     const int code = s.calls.evolve(s.memory, s.t + 1.0, s.y, &reached, ARK_ONE_STEP);
@@ -490,11 +495,12 @@ OdeSolver::Outcome OdeSolver::advance() {
         return Outcome::failed;
     }
     s.t = reached;
+    if (is_limited) s.require(s.calls.set_stop_time(s.memory, s.stop), "SetStopTime");
     const bool found = s.find_root();
     s.dt_min = std::min(s.dt_min, s.t - s.previous);
     s.dt_max = std::max(s.dt_max, s.t - s.previous);
     if (found) return Outcome::found_root;
-    return code == ARK_TSTOP_RETURN ? Outcome::reached_stop : Outcome::stepped;
+    return code == ARK_TSTOP_RETURN && !is_limited ? Outcome::reached_stop : Outcome::stepped;
 }
 
 double OdeSolver::time() const {

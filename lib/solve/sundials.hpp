@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -62,9 +63,10 @@ public:
     /// of the dense output. One that begins at zero takes its sign from the end of the first step.
     void watch(int count, Roots roots);
 
-    /// One step. After Outcome::failed, failure() says what SUNDIALS said and the state is that of
+    /// One step, no longer than `longest` [s], which holds for this one alone: a method that may go farther
+    /// grows to it again. After Outcome::failed, failure() says what SUNDIALS said and the state is that of
     /// the last good step.
-    Outcome advance();
+    Outcome advance(double longest = std::numeric_limits<double>::infinity());
 
     double time() const;
     double previous_time() const;  ///< start of the last step: interpolate() holds from there

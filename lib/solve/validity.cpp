@@ -8,7 +8,10 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "lib/scene/needs.hpp"
 
 namespace twinchute {
 namespace {
@@ -212,6 +215,10 @@ void add_validity(RunRecord& record, const Scene& scene, const OpeningResult& re
     const double max_mach = flown.mach(-infinity, infinity);
     if (flown.has_sound()) record.add_metric("max_mach_number", max_mach);
     record.add_metric("max_altitude_m", flown.highest());
+    const Environment& air = scene.environment;
+    if (!wind_warning(air, air.ground, scene.release.altitude))  // the scene said so itself
+        if (auto warning = wind_warning(air, std::max(flown.lowest(), air.ground), flown.highest()))
+            record.warnings.push_back(std::move(*warning));
     Judge flight(record, scene, scene.parachutes.front(), "", flown.has_sound());
     flight.judge(mach_number, max_mach, false);
     flight.judge(altitude, flown.highest(), false);

@@ -129,8 +129,11 @@ private:
             const Share share = used_at(scene, row, value, rest);
             return goal == Goal::min_load ? share.loaded : share.used;
         };
-        Samples samples = sample(used, row.bounds(scene), rest.empty() ? samples_alone : samples_before);
+        const Bounds bounds = row.bounds(scene);
+        const int count = rest.empty() ? samples_alone : samples_before;
+        Samples samples = sample(used, bounds, count);
         if (goal == Goal::min_load) return argmin_excess(used, samples);
+        go_on(samples, used, goal, row.ends(scene), std::pow(bounds.high / bounds.low, 1.0 / count));
         if (samples.next(0, true) == samples.size()) {  // between samples, perhaps
             const double best = argmin_excess(used, samples), share = used(best);
             if (share > 1.0) return best;
@@ -152,6 +155,26 @@ private:
         notes_.push_back(fmt::format("{}: {:.1f} % inside its edge, room for what is decided after it",
                                      row.title, 100.0 * margin));
         return found * (smallest ? 1.0 + margin : 1.0 - margin);
+    }
+
+    /// Samples beyond the first bounds, a factor of `ratio` from one to the next: while the end of them is
+    /// what is wanted, or misses the limits least.
+    static void go_on(Samples& samples, const auto& used, Goal goal, const Bounds& ends, double ratio) {
+        const auto goes_on = [&](bool down) {
+            const std::size_t last = samples.size() - 1, end = down ? 0 : last, next = down ? 1 : last - 1;
+            if (samples.next(0, true) < samples.size())
+                return samples.meet(end) && down == (goal == Goal::smallest);
+            const bool is_best = std::ranges::min(samples.used) == samples.used[end];
+            return is_best && samples.used[end] < samples.used[next];
+        };
+        for (const bool down : {true, false})
+            while (goes_on(down)) {
+                const double from = down ? samples.at.front() : samples.at.back();
+                const double value =
+                    down ? std::max(from / ratio, ends.low) : std::min(from * ratio, ends.high);
+                if (value == from) break;
+                samples.add(value, used(value));
+            }
     }
 
     /// Ranges beyond the lowest that meet the limits as well: loads need not grow with what varies.

@@ -14,17 +14,15 @@
 namespace twinchute::rom {
 namespace {
 
-/// Largest diameter that a scene may say [m].
-constexpr double largest_diameter = 199.0;
+/// [m] Smallest that anyone drops anything under, and largest that a scene may say.
+constexpr double smallest_diameter = 0.02, largest_diameter = 199.0;
 /// [m/s] The models are subsonic.
 constexpr double fastest_release = 340.0;
 
 std::size_t sized_index(const Scene& scene) {
-    const std::size_t last = scene.parachutes.size() - 1;
-    if (!scene.size || scene.size->parachute.empty()) return last;
+    if (!scene.size || scene.size->parachute.empty()) return 0;
     const auto named = std::ranges::find(scene.parachutes, scene.size->parachute, &Parachute::name);
-    return named == scene.parachutes.end() ? last
-                                           : static_cast<std::size_t>(named - scene.parachutes.begin());
+    return static_cast<std::size_t>(named - scene.parachutes.begin());
 }
 
 /// By the scene itself, rather than a type, a design or a default.
@@ -61,6 +59,11 @@ Bounds bounds_of_diameter(const Scene& scene) {
     return {near / below, std::min(near * above, largest_diameter)};
 }
 
+Bounds ends_of_diameter(const Scene& scene) {
+    const auto [low, high] = bounds_of_diameter(scene);
+    return {std::min(low, smallest_diameter), std::max(high, largest_diameter)};
+}
+
 std::string always_available(const Scene&) {
     return {};
 }
@@ -81,27 +84,29 @@ Bounds bounds_of_ratio(const Scene& scene) {
     return {std::max(1.01 * first, 0.005), 0.95 * next};
 }
 
+Bounds bounds_of_speed(const Scene&) {
+    return {1.0, fastest_release};
+}
+Bounds bounds_of_delay(const Scene&) {
+    return {0.2, 30.0};
+}
+
 constexpr std::array<VaryRow, 4> vary_table{{
     {"nominal_diameter", "m", "nominal diameter D0",
      "vent, lines, risers, reefing lines and drag area grow with it, C_D0 and gores stay", always_available,
-     goal_of_diameter, bounds_of_diameter, diameter, set_diameter},
+     goal_of_diameter, bounds_of_diameter, ends_of_diameter, diameter, set_diameter},
     {"release_speed", "m/s", "release speed over ground", "in the direction of the scene", always_available,
-     [](const SizeSpec&) { return Goal::largest; },
-     [](const Scene&) {
-         return Bounds{1.0, fastest_release};
-     },
+     [](const SizeSpec&) { return Goal::largest; }, bounds_of_speed, bounds_of_speed,
      [](const Scene& scene) { return scene.release.speed; },
      [](Scene& scene, double value) { scene.release.speed = value; }},
     {"reefing_ratio", "", "drag area of the first reefed stage over (C_D S)_0", "with the least load",
-     requires_reefing, min_load, bounds_of_ratio,
+     requires_reefing, min_load, bounds_of_ratio, bounds_of_ratio,
      [](const Scene& scene) { return sized_parachute(scene).reefing.front().drag_area_ratio; },
      [](Scene& scene, double value) {
          scene.parachutes[sized_index(scene)].reefing.front().drag_area_ratio = value;
      }},
     {"cutter_delay", "s", "delay of the first cutter", "with the least load", requires_reefing, min_load,
-     [](const Scene&) {
-         return Bounds{0.2, 30.0};
-     },
+     bounds_of_delay, bounds_of_delay,
      [](const Scene& scene) { return sized_parachute(scene).reefing.front().until.delay; },
      [](Scene& scene, double value) {
          scene.parachutes[sized_index(scene)].reefing.front().until.delay = value;
@@ -129,11 +134,15 @@ double diameter_by_descent_rate(const Scene& scene) {
     const double speed = *scene.size->max_descent_rate;
     const double coefficient =
         p.count * p.cluster_drag_ratio * p.drag_area / (0.25 * pi * p.nominal_diameter * p.nominal_diameter);
-    const double weight = (scene.payload.mass + p.count * p.mass) * e.gravity;
-    const double carried = std::max(weight - 0.5 * e.atmosphere.at(e.ground).density * speed * speed *
-                                                 scene.payload.drag_area.value_or(0.0),
-                                    0.01 * weight);
-    return std::sqrt(8.0 * carried / (pi * e.atmosphere.at(e.ground).density * coefficient)) / speed;
+    double mass = scene.payload.mass, others = scene.payload.drag_area.value_or(0.0);
+    for (const Parachute& one : scene.parachutes) {
+        if (one.cut && &one != &p) continue;
+        mass += one.count * one.mass;
+        if (&one != &p) others += one.count * one.cluster_drag_ratio * one.drag_area;
+    }
+    const double density = e.atmosphere.at(e.ground).density, weight = mass * e.gravity;
+    const double carried = std::max(weight - 0.5 * density * speed * speed * others, 0.01 * weight);
+    return std::sqrt(8.0 * carried / (pi * density * coefficient)) / speed;
 }
 
 Scene with_type(const Scene& scene, const CanopyType& type, std::vector<std::string>& notes) {

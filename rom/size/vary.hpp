@@ -27,7 +27,8 @@ struct VaryRow {
     /// Why a scene does not have it; empty where it does.
     std::string (*why_unavailable)(const Scene&);
     Goal (*goal)(const SizeSpec&);
-    Bounds (*bounds)(const Scene&);
+    Bounds (*bounds)(const Scene&);  ///< between which the search begins
+    Bounds (*ends)(const Scene&);    ///< as far as it goes on where they are the best
     double (*get)(const Scene&);
     void (*set)(Scene&, double);
 };
@@ -35,12 +36,13 @@ struct VaryRow {
 std::span<const VaryRow> vary_rows();
 const VaryRow* find_vary(std::string_view name);
 
-/// The parachute that is sized: by its name, or the last, which in a sequence is the main one.
+/// The parachute that is sized.
 const Parachute& sized_parachute(const Scene& scene);
 
-/// D0 [m] whose steady drag carries payload and parachute at max_descent_rate in the densest air of the fall,
-/// that at the ground: sqrt(8 m g/(pi rho C_D0 v^2)). The run, with whatever mass such a canopy has, comes
-/// later. Not for a scene without that limit.
+/// D0 [m] whose steady drag carries payload and parachutes at max_descent_rate in the densest air of the
+/// fall, that at the ground: sqrt(8 m g/(pi rho C_D0 v^2)), of what the payload and the other parachutes that
+/// stay do not carry. The run, with whatever mass such a canopy has, comes later. Not for a scene without
+/// that limit.
 double diameter_by_descent_rate(const Scene& scene);
 
 /// The scene with another type of canopy of the same diameter: C_D0, C_x, D_p/D0, n and law in place of its

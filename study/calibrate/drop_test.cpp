@@ -94,13 +94,12 @@ void read_instrument(compare::SuiteTable& from, MeasuredHistory& history) {
 
 void read_scalar(compare::SuiteTable& from, DropTest& test, const MetricRow& row) {
     const std::string_view unit = row.tolerance_unit();
-    const double scale = unit == "g0" ? 9.80665 : 1.0;
     from.need("value", "it is what was measured");
     from.need("sigma", "a single number says nothing of its noise");
-    const double value = *from.amount("value", unit == "g0" ? "m/s^2" : unit) / scale;
-    const Tolerance sigma = *from.tolerance("sigma", unit == "g0" ? "m/s^2" : unit);
+    const double value = *from.amount("value", unit);
+    const Tolerance sigma = *from.tolerance("sigma", unit);
     from.end();
-    const double size = sigma.relative ? sigma.value * std::abs(value) : sigma.value / scale;
+    const double size = sigma.relative ? sigma.value * std::abs(value) : sigma.value;
     if (!(size > 0.0)) from.refuse("sigma", "is not positive", "", "give one standard uncertainty");
     test.scalars.push_back({&row, value, size});
 }

@@ -218,6 +218,12 @@ std::vector<Unknown> unknowns_of(const Scene& scene, const std::vector<DropTest>
                     fmt::format("{}: a prior on '{}', which is not fitted (--vary says what is), take it "
                                 "out or vary it",
                                 test.name, prior.key));
+            if (found->prior && (found->prior->mean != prior.mean || found->prior->sigma != prior.sigma))
+                throw UsageError(fmt::format(
+                    "{}: another prior on '{}' than an earlier test has ({:.6g} +- {:.6g} here, {:.6g} +- "
+                    "{:.6g} "
+                    "there), give all tests the same, or put one into one of them",
+                    test.name, prior.key, prior.mean, prior.sigma, found->prior->mean, found->prior->sigma));
             found->prior = prior;
         }
     for (std::size_t t = 0; t < tests.size(); ++t)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <exception>
 #include <future>
 #include <limits>
@@ -43,6 +44,13 @@ void Engine::find_inputs(Design& design, std::uint64_t run, std::span<double> va
     design.values_at(scores.subspan(place * columns.inputs, columns.inputs), values);
 }
 
+void Engine::count_unopened(std::span<double> row) const {
+    const auto column = columns.of("unopened_parachutes");
+    const bool ended = row[0] == static_cast<double>(StatusCode::completed) ||
+                       row[0] == static_cast<double>(StatusCode::stopped_by_event);
+    if (column && ended && std::isnan(row[*column])) row[*column] = 0.0;
+}
+
 void Engine::make_row(Design& design, Scene& scene, std::uint64_t run, std::span<double> row) const {
     const std::span<double> values = row.subspan(1, columns.inputs),
                             metrics = row.subspan(columns.first_metric());
@@ -53,12 +61,13 @@ void Engine::make_row(Design& design, Scene& scene, std::uint64_t run, std::span
         sampler.put(scene, values);
         if (fidelity.metrics) {
             row[0] = static_cast<double>(fidelity.metrics(scene, asked, columns.metrics, metrics).code);
-            return;
+            return count_unopened(row);
         }
         const RunRecord record = fidelity.run(scene, asked);
         row[0] = static_cast<double>(record.status.code);
         for (std::size_t i = 0; i < metrics.size(); ++i)
             if (const auto value = record.metric(columns.metrics[i])) metrics[i] = *value;
+        count_unopened(row);
     } catch (const SceneError&) {
         row[0] = static_cast<double>(refused_inputs);
         scene = sampler.blank();
@@ -95,6 +104,7 @@ void Engine::make_batch(Worker& worker, std::uint64_t first, std::span<double> r
         else
             std::ranges::copy(std::span(worker.values).subspan(l * metrics.size(), metrics.size()),
                               metrics.begin());
+        count_unopened(row);
     }
 }
 

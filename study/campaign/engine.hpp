@@ -56,6 +56,8 @@ private:
     bool make_batches(Worker& worker, std::uint64_t first, std::span<double> rows) const;
     void make_batch(Worker& worker, std::uint64_t first, std::span<double> rows) const;
     void make_row(Design& design, Scene& scene, std::uint64_t run, std::span<double> row) const;
+    /// None, of a run that ended as it should: the metric is there where some have not opened.
+    void count_unopened(std::span<double> row) const;
     void find_inputs(Design& design, std::uint64_t run, std::span<double> values) const;
 };
 

@@ -79,14 +79,21 @@ double estimate_with(const AnswerSpec& answer, const Correction& correction, con
     return sum / static_cast<double>(sample.runs.size());
 }
 
+/// Some `wanted` of `all`. Drawn, not counted out: every 2^k-th point of Sobol's sequence lies in one slice
+/// of the inputs.
+bool is_drawn(std::uint64_t seed, std::uint64_t index, std::uint32_t drawing, std::uint64_t wanted,
+              std::uint64_t all) {
+    const double share = static_cast<double>(wanted) / static_cast<double>(all);
+    return share >= 1.0 || unit_number(random_bits(seed, index, drawing, RandomStream::examples)) < share;
+}
+
 /// Variance of the logarithm of an estimate by drawing pairs again and again.
 double fit_variance(const AnswerSpec& answer, const Pairs& pairs, const Sample& sample, std::uint64_t seed) {
     Moments logs;
     std::vector<std::size_t> take(pairs.count());
     Sample some;
-    const std::size_t step = std::max<std::size_t>(1, sample.runs.size() / most_drawn);
-    for (std::size_t i = 0; i < sample.runs.size(); i += step)
-        some.runs.push_back(sample.runs[i]);
+    for (std::size_t i = 0; i < sample.runs.size(); ++i)
+        if (is_drawn(seed, i, 2, most_drawn, sample.runs.size())) some.runs.push_back(sample.runs[i]);
     for (std::size_t b = 0; b < bootstraps; ++b) {
         for (std::size_t i = 0; i < take.size(); ++i)
             take[i] =
@@ -273,7 +280,6 @@ MultiFidelity combine(const CampaignSpec& spec, const RunStore& cheap, const Col
         Pairs pairs;
         Sample sample;
         std::vector<double> cheap_values;
-        const std::uint64_t stride = std::max<std::uint64_t>(1, cheap_runs / most_kept);
         each_run(cheap, cheap_runs, [&](std::uint64_t run, std::span<const double> row) {
             const double value = row[of_cheap];
             if (!std::isfinite(value)) return;
@@ -286,7 +292,7 @@ MultiFidelity combine(const CampaignSpec& spec, const RunStore& cheap, const Col
                 pairs.dear.push_back(dear_values[run]);
                 pairs.inputs.push_back(inputs);
             }
-            if (run % stride != 0) return;
+            if (!is_drawn(spec.seed, run, 1, most_kept, cheap_runs)) return;
             const double u = unit_number(random_bits(spec.seed, run, 0xffffffffu, RandomStream::bootstrap));
             sample.runs.push_back({value, inputs, gsl_cdf_ugaussian_Pinv(u)});
             cheap_values.push_back(value);

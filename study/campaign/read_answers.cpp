@@ -41,10 +41,7 @@ void read_condition(const SuiteTable& reader, AnswerSpec& answer) {
     answer.metric = row.key;
     answer.unit = row.unit;
     try {
-        const double scale = row.unit == "g" ? 1.0 / to_si("1 g0", "m/s^2") : 1.0;
-        const std::string_view text = trimmed(asked.substr(sign + 1));
-        answer.threshold =
-            row.unit == "g" ? scale * to_si(text, "m/s^2") : to_si(text, row.unit.empty() ? "1" : row.unit);
+        answer.threshold = to_si(trimmed(asked.substr(sign + 1)), row.tolerance_unit());
     } catch (const UnitError& error) {
         reader.refuse("probability", error.problem(), error.why(), error.suggestion());
     }
@@ -84,7 +81,7 @@ AnswerSpec read_answer(SuiteTable& reader) {
     if (answer.kind == quantile || answer.kind == ellipse) answer.level = level_of(reader, 0.95);
     if (answer.kind == ellipse) answer.unit = "m";
     const std::string unit = answer.kind == probability || answer.unit.empty() ? "1" : answer.unit;
-    answer.limit = reader.amount("limit", unit == "g" ? "1" : unit);
+    answer.limit = reader.amount("limit", unit == "g" ? "g0" : unit);
     reader.end();
     return answer;
 }

@@ -363,10 +363,21 @@ void read_points(const NamedFiles& files, CampaignSpec& spec) {
                 throw SceneError(place, input.key, "an empty cell", "each point has all inputs",
                                  "fill it in");
             const double value = *column->values[i];
-            rows[i].push_back(column->unit.empty() ? value
-                                                   : to_si(fmt::format("{} {}", value, column->unit),
-                                                           input.unit.empty() ? "1" : input.unit));
+            try {
+                rows[i].push_back(column->unit.empty() ? value
+                                                       : to_si(fmt::format("{} {}", value, column->unit),
+                                                               input.unit.empty() ? "1" : input.unit));
+            } catch (const UnitError& error) {
+                throw SceneError({file.string(), column->unit_line, column->unit_column}, input.key,
+                                 error.problem(), error.why(), error.suggestion());
+            }
         }
+    }
+    for (const LoggedColumn& column : table.columns) {
+        const bool is_input = std::ranges::count(spec.inputs, column.name, &CampaignInput::key) > 0;
+        if (!is_input && find_key(scene_keys(), column.name) != nullptr)
+            throw SceneError({file.string(), table.head_line, column.column}, column.name, "is not varied",
+                             "its numbers would not count", "add [[vary]] for it, or take the column out");
     }
     spec.runs = spec.point_rows.size();
 }

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "lib/record/run_record.hpp"
+#include "study/campaign/design.hpp"
 #include "study/campaign/quantiles.hpp"
 #include "study/campaign/random.hpp"
 
@@ -38,6 +39,12 @@ bool is_complete(double status) {
 
 bool is_hit(const AnswerSpec& answer, double value) {
     return answer.above ? value > answer.threshold : value < answer.threshold;
+}
+
+/// Whether a run is drawn by itself: in a block of Saltelli's design those after the first two share all
+/// inputs but one with the first, and are for its indices alone.
+bool is_drawn(const CampaignSpec& spec, std::uint64_t run) {
+    return spec.design != DesignKind::saltelli || run % saltelli_block(spec.inputs.size()) < 2;
 }
 
 /// An answer that is made while rows come by.
@@ -146,11 +153,14 @@ void take_stock(const CampaignSpec& spec, const RunStore& store, const Columns& 
             FailedRuns& failed = results.failed[store.identity().statuses[status]];
             if (++failed.count <= most_indices) failed.first.push_back(run);
         }
-        for (Tally& tally : tallies)
-            tally.add(row);
         for (std::size_t m = 0; m < estimators.size(); ++m)
             estimators[m].add(run, row.subspan(1, columns.inputs),
                               row[*columns.of(results.indices[m].metric)]);
+        if (is_example(run)) results.examples.emplace_back(row.begin(), row.end());
+        if (!is_drawn(spec, run)) return;
+        ++results.drawn;
+        for (Tally& tally : tallies)
+            tally.add(row);
         for (std::size_t m = 0; m < results.histograms.size(); ++m) {
             Histogram& histogram = results.histograms[m];
             const double value = row[places[m]];
@@ -161,15 +171,15 @@ void take_stock(const CampaignSpec& spec, const RunStore& store, const Columns& 
             histogram.high = std::max(histogram.high, value);
             if (!kept.empty()) kept[m].push_back(value);
         }
-        if (is_example(run)) results.examples.emplace_back(row.begin(), row.end());
     });
     for (const Tally& tally : tallies)
         results.answers.push_back(tally.answer());
 }
 
 /// Quantiles and histograms: shares of many narrow bins, then the numbers of those bins that matter.
-void find_quantiles(const RunStore& store, const Columns& columns, std::uint64_t runs,
-                    const std::vector<std::vector<double>>& kept, CampaignResults& results) {
+void find_quantiles(const CampaignSpec& spec, const RunStore& store, const Columns& columns,
+                    std::uint64_t runs, const std::vector<std::vector<double>>& kept,
+                    CampaignResults& results) {
     std::vector<RankFinder> finders;
     for (const Histogram& histogram : results.histograms)
         finders.emplace_back(histogram.low, histogram.high, histogram.moments.count);
@@ -185,8 +195,8 @@ void find_quantiles(const RunStore& store, const Columns& columns, std::uint64_t
                     take(finders[i], value);
             return;
         }
-        each_row(store, runs, [&](std::uint64_t, std::span<const double> row) {
-            for (std::size_t i = 0; i < finders.size(); ++i)
+        each_row(store, runs, [&](std::uint64_t run, std::span<const double> row) {
+            for (std::size_t i = 0; i < finders.size() && is_drawn(spec, run); ++i)
                 if (const double value = row[*columns.of(results.histograms[i].metric)]; std::isfinite(value))
                     take(finders[i], value);
         });
@@ -215,7 +225,7 @@ void find_quantiles(const RunStore& store, const Columns& columns, std::uint64_t
 }
 
 /// Share of the landing points that lie inside each ellipse.
-void count_inside(const RunStore& store, const Columns& columns, std::uint64_t runs,
+void count_inside(const CampaignSpec& spec, const RunStore& store, const Columns& columns, std::uint64_t runs,
                   CampaignResults& results) {
     const auto east = columns.of("landing_east_m"), north = columns.of("landing_north_m");
     std::vector<Answer*> ellipses;
@@ -223,8 +233,8 @@ void count_inside(const RunStore& store, const Columns& columns, std::uint64_t r
         if (answer.ellipse && answer.count > 2) ellipses.push_back(&answer);
     if (ellipses.empty() || !east || !north) return;
     std::vector<std::uint64_t> inside(ellipses.size());
-    each_row(store, runs, [&](std::uint64_t, std::span<const double> row) {
-        if (std::isnan(row[*east]) || std::isnan(row[*north])) return;
+    each_row(store, runs, [&](std::uint64_t run, std::span<const double> row) {
+        if (!is_drawn(spec, run) || std::isnan(row[*east]) || std::isnan(row[*north])) return;
         for (std::size_t i = 0; i < ellipses.size(); ++i)
             inside[i] += ellipses[i]->ellipse->contains({row[*east], row[*north]}) ? 1 : 0;
     });
@@ -277,6 +287,19 @@ void take_simulation(Answer& answer, RareEvent event) {
     answer.rare = std::move(event);
 }
 
+/// What lacks a metric may be what the limit is about: no parachute, no descent rate. A probability is met
+/// only if it would be with all of them counted as hits.
+void doubt_missing(Answer& answer, std::uint64_t drawn) {
+    if (answer.count >= drawn || answer.count == 0) return;
+    const std::uint64_t missing = drawn - answer.count;
+    answer.note =
+        fmt::format("{} of {} runs have no {} and do not count", missing, drawn, answer.spec->metric);
+    if (answer.verdict != Verdict::met || answer.spec->kind != AnswerSpec::Kind::probability) return;
+    if (share_interval(answer.hits + missing, drawn).high <= *answer.spec->limit) return;
+    answer.verdict = Verdict::undecided;
+    answer.note += "; if all of them are such the limit is exceeded";
+}
+
 CampaignResults evaluate(const CampaignSpec& spec, const RunStore& store, const Columns& columns,
                          std::uint64_t runs) {
     CampaignResults results;
@@ -293,10 +316,11 @@ CampaignResults evaluate(const CampaignSpec& spec, const RunStore& store, const 
     take_stock(spec, store, columns, runs, kept, results, estimators);
     for (std::size_t m = 0; m < estimators.size(); ++m)
         results.indices[m].of = estimators[m].indices();
-    find_quantiles(store, columns, runs, kept, results);
-    count_inside(store, columns, runs, results);
+    find_quantiles(spec, store, columns, runs, kept, results);
+    count_inside(spec, store, columns, runs, results);
     for (Answer& answer : results.answers) {
         answer.verdict = verdict_of(*answer.spec, answer.value);
+        doubt_missing(answer, results.drawn);
         results.has_landing = results.has_landing || answer.ellipse;
     }
     return results;
@@ -310,7 +334,9 @@ Interval interval_of(const CampaignSpec& spec, const AnswerSpec& answer, const R
         return evaluate(one, store, columns, runs).answers.front().value;
     }
     Tally tally(answer, columns);
-    each_row(store, runs, [&](std::uint64_t, std::span<const double> row) { tally.add(row); });
+    each_row(store, runs, [&](std::uint64_t run, std::span<const double> row) {
+        if (is_drawn(spec, run)) tally.add(row);
+    });
     return tally.answer().value;
 }
 

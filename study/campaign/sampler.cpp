@@ -41,7 +41,7 @@ Sampler::Sampler(const CampaignSpec& spec, const SceneWith& scene_with) : spec_(
     through_air_ = std::ranges::any_of(nominal_.inputs, [](const Input& input) {
         return input.key == "release.airspeed" && input.origin != InputOrigin::fallback;
     });
-    // Points where putting values in is held against reading: the middle, and both ends together.
+    // Points where putting values in is held against reading: the middle, and all inputs near their ends.
     std::vector<double> point(spec.inputs.size());
     const auto at = [&](double share) {
         for (std::size_t i = 0; i < point.size(); ++i)
@@ -51,7 +51,7 @@ Sampler::Sampler(const CampaignSpec& spec, const SceneWith& scene_with) : spec_(
         return key_values(point);
     };
     varied_ = std::make_unique<VariedScene>(scene_with, keys, at(0.45));
-    for (const double share : {0.1, 0.9}) {
+    for (const double share : {0.001, 0.1, 0.9, 0.999}) {
         try {
             varied_->check(at(share));
         } catch (const SceneError&) {

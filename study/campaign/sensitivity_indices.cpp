@@ -14,6 +14,19 @@ std::size_t bins_for(std::uint64_t runs) {
     return static_cast<std::size_t>(std::clamp(std::cbrt(static_cast<double>(runs)), 4.0, 64.0));
 }
 
+/// Whether a metric varies by more than the tolerance of the runs that it is from: shares of less say
+/// nothing. `shift`: by which its numbers are less than the metric's.
+bool varies(const Moments& m, double shift) {
+    constexpr double tolerance = 1e-7;
+    return std::sqrt(m.variance()) > tolerance * std::abs(m.mean + shift);
+}
+
+/// An index is no less than zero, whatever its estimator came to.
+Interval from_zero(Interval index) {
+    index.high = std::max(index.high, 0.0);
+    return index;
+}
+
 }  // namespace
 
 IndexEstimator::IndexEstimator(const CampaignSpec& spec)
@@ -74,7 +87,7 @@ double IndexEstimator::of_sums(std::size_t input, bool total, std::optional<std:
         sum += total ? sums_[g].total[input] : sums_[g].first[input];
         points += sums_[g].points;
     }
-    return sum / static_cast<double>(points) / all.variance();
+    return varies(all, shift_) ? sum / static_cast<double>(points) / all.variance() : std::nan("");
 }
 
 Index IndexEstimator::by_points(std::size_t input) const {
@@ -83,7 +96,7 @@ Index IndexEstimator::by_points(std::size_t input) const {
         std::vector<double> without;
         for (std::size_t g = 0; g < groups; ++g)
             if (sums_[g].points > 0) without.push_back(of_sums(input, total, g));
-        return jackknife_interval(of_sums(input, total, {}), without);
+        return from_zero(jackknife_interval(of_sums(input, total, {}), without));
     };
     index.first = with_interval(false);
     index.total = with_interval(true);
@@ -104,7 +117,7 @@ double IndexEstimator::binned(std::size_t input, std::optional<std::size_t> with
         filled += bin.count > 0 ? 1.0 : 0.0;
     }
     const double n = static_cast<double>(all.count);
-    if (!(n > filled) || !(all.squares > 0.0)) return std::nan("");
+    if (!(n > filled) || !varies(all, 0.0)) return std::nan("");
     // Means of scatter alone vary, too: by its variance for each mean but one.
     const double scatter = within / (n - filled);
     return (all.squares - within - (filled - 1.0) * scatter) / all.squares;
@@ -121,7 +134,7 @@ std::vector<Index> IndexEstimator::indices() const {
         std::vector<double> without;
         for (std::size_t g = 0; g < groups; ++g)
             without.push_back(binned(i, g));
-        all[i].first = jackknife_interval(binned(i, {}), without);
+        all[i].first = from_zero(jackknife_interval(binned(i, {}), without));
     }
     return all;
 }

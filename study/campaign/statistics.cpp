@@ -4,6 +4,8 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace twinchute::study {
@@ -111,8 +113,10 @@ void PlaneMoments::add(const Eigen::Vector2d& place) {
 bool Ellipse::contains(const Eigen::Vector2d& place) const {
     const Eigen::Vector2d from = place - centre;
     const double c = std::cos(angle), s = std::sin(angle);
-    const double along = (c * from.x() + s * from.y()) / major.estimate;
-    const double across = (c * from.y() - s * from.x()) / minor.estimate;
+    // An ellipse without width holds the points on it: to the rounding of its axes.
+    const double least = 1e-9 * (major.estimate + centre.norm()) + std::numeric_limits<double>::min();
+    const double along = (c * from.x() + s * from.y()) / std::max(major.estimate, least);
+    const double across = (c * from.y() - s * from.x()) / std::max(minor.estimate, least);
     return along * along + across * across <= 1.0;
 }
 

@@ -8,11 +8,13 @@
 #include <limits>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 
 #include "lib/cli/command.hpp"
+#include "lib/math/sha256.hpp"
 #include "lib/record/file_batch.hpp"
 #include "lib/record/record_json.hpp"
 
@@ -119,6 +121,20 @@ std::string text_attribute(hid_t of, const char* name) {
     return text.substr(0, text.find('\0'));
 }
 
+std::optional<std::uint64_t> number_attribute(hid_t of, const char* name) {
+    if (H5Aexists(of, name) <= 0) return {};
+    const Handle attribute(H5Aopen(of, name, H5P_DEFAULT), H5Aclose);
+    const Handle space(H5Aget_space(attribute), H5Sclose);
+    if (H5Sget_simple_extent_npoints(space) != 1) return {};
+    std::uint64_t number = 0;
+    require(H5Aread(attribute, H5T_NATIVE_UINT64, &number));
+    return number;
+}
+
+std::string digest_of(std::span<const double> rows) {
+    return sha256_hex({reinterpret_cast<const char*>(rows.data()), rows.size_bytes()});
+}
+
 std::string chunk_bytes(const StoreIdentity& identity, std::uint64_t first, std::span<const double> rows) {
     const Handle access = memory_access(), creation = without_times(H5P_FILE_CREATE);
     const Handle file(H5Fcreate("chunk", H5F_ACC_TRUNC, creation, access), H5Fclose);
@@ -130,15 +146,18 @@ std::string chunk_bytes(const StoreIdentity& identity, std::uint64_t first, std:
     require(H5Dwrite(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()));
     describe(data, identity);
     add_number(data, "first_run", first);
+    add_texts(data, "sha256", {digest_of(rows)});
     return image_of(file);
 }
 
 /// Empty where the bytes are no chunk of this campaign.
-RunStore::Rows chunk_rows(const StoreIdentity& identity, std::string_view bytes) {
+RunStore::Rows chunk_rows(const StoreIdentity& identity, std::uint64_t first, std::string_view bytes) {
     const Handle access = memory_access(bytes);
     const Handle file(H5Fopen("chunk", H5F_ACC_RDONLY, access), H5Fclose);
     const Handle data(H5Dopen2(file, "runs", H5P_DEFAULT), H5Dclose);
     if (text_attribute(data, "digest") != identity.digest) return {};
+    if (number_attribute(data, "first_run") != first || number_attribute(data, "seed") != identity.seed)
+        return {};
     const Handle space(H5Dget_space(data), H5Sclose);
     hsize_t size[2] = {};
     if (H5Sget_simple_extent_ndims(space) != 2 || H5Sget_simple_extent_dims(space, size, nullptr) != 2)
@@ -146,6 +165,7 @@ RunStore::Rows chunk_rows(const StoreIdentity& identity, std::string_view bytes)
     if (size[1] != identity.columns.size() || size[0] > identity.chunk) return {};
     RunStore::Rows rows(size[0] * size[1]);
     require(H5Dread(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()));
+    if (text_attribute(data, "sha256") != digest_of(rows)) return {};
     return rows;
 }
 
@@ -232,7 +252,7 @@ RunStore::Rows RunStore::read(std::uint64_t chunk, std::uint64_t rows) const {
     const std::scoped_lock lock(hdf5_lock());
     be_quiet();
     try {
-        Rows found = chunk_rows(identity_, bytes);
+        Rows found = chunk_rows(identity_, chunk * identity_.chunk, bytes);
         if (found.size() < rows * columns()) return {};
         found.resize(rows * columns());
         return found;

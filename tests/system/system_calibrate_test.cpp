@@ -117,9 +117,15 @@ TEST_F(SystemCalibrate, RefusesBadInputAndWritesNothing) {
     write("prior.toml",
           "[peak_force]\nvalue = \"5 kN\"\nsigma = \"3 %\"\n[[prior]]\nkey = \"payload.mass\"\nmean = "
           "1\nsigma = 1\n");
+    for (const auto& [file, mean] : {std::pair{"n4.toml", "4"}, {"n5.toml", "5"}})
+        write(file, std::string("[peak_force]\nvalue = \"5 kN\"\nsigma = \"3 %\"\n[[prior]]\nkey = "
+                                "\"parachute.fill_time.n\"\nmean = ") +
+                        mean + "\nsigma = 1\n");
     const auto before = tree_of(here_.path());
     const std::pair<Words, const char*> cases[] = {
         {{c9_drop}, "--to is missing"},
+        {{c9_drop, "--to", "n4.toml", "--to", "n5.toml"},
+         "another prior on 'parachute.fill_time.n' than an earlier test has (5 +- 1 here, 4 +- 1 there)"},
         {{c9_drop, "--to", "early.csv"}, "early.csv:4:1: the history lies wholly before the release"},
         {{c9_drop, "--to", "bad.csv"}, "bad.csv:4:3: 'x' is not a number"},
         {{c9_drop, "--to", "none.csv"}, "none.csv"},

@@ -58,6 +58,14 @@ TEST_F(SystemSeries, CompareReportsEachAndEndsWithTheGravest) {
     EXPECT_EQ(read("v/wide/gap.json")["exit_code"], 0);
     EXPECT_EQ(read("v/narrow/gap.json")["exit_code"], 1);
     EXPECT_EQ(read("v/last/gap.json")["exit_code"], 0);  // the series goes on
+
+    // Reported again from its records, by whatever name; not without the one that failed.
+    EXPECT_EQ(run({"report", "v", "--quiet"}).code, 1);
+    EXPECT_EQ(json::parse(run({"report", "v/last", "v/last/", "v/../v/last", "--json"}).out).size(), 1u);
+    std::filesystem::remove_all(here_ / "v/narrow");
+    const Ended without = run({"report", "v"});
+    EXPECT_EQ(without.code, 2) << without.out;
+    EXPECT_NE(without.err.find("holds 2 of the 3 comparisons"), std::string::npos) << without.err;
 }
 
 TEST_F(SystemSeries, EndsWithATableOfItsCases) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "compare/report/trend_text.hpp"
@@ -123,6 +124,25 @@ TEST(CompareTrend, AToleranceMayBeOnAParachutesOwnMetric) {
     };
     EXPECT_EQ(verdict_of(0.06), Verdict::within);
     EXPECT_EQ(verdict_of(0.04), Verdict::exceeded);
+}
+
+TEST(CompareTrend, WhatTheBaselineJudgesIsMissedWhereItHasAnotherName) {
+    // A drogue that is called otherwise now: its peak force was judged, and is gone.
+    Comparison before = synthetic_comparison(), now = synthetic_comparison();
+    for (RunRecord* record : {&before.candidate, &before.reference})
+        record->add_metric("drogue_peak_force_N", 3000), record->events.push_back({"drogue.snatch", 1, 0, 0});
+    for (RunRecord* record : {&now.candidate, &now.reference})
+        record->add_metric("pilot_peak_force_N", 3000), record->events.push_back({"pilot.snatch", 1, 0, 0});
+    before.gap = measure_gap(before.reference, before.candidate, {});
+    now.gap = measure_gap(now.reference, now.candidate, {});
+    const Trend trend = measure_trend(before, now, {});
+    EXPECT_EQ(overall_verdict(trend), Verdict::exceeded);
+    EXPECT_EQ(std::ranges::count_if(trend.changes,
+                                    [](const MetricChange& change) {
+                                        return change.key == "drogue_peak_force_N" &&
+                                               change.verdict == Verdict::missing;
+                                    }),
+              2);
 }
 
 TEST(CompareTrend, WhatIsZeroButForRoundingHasNotMoved) {

@@ -149,6 +149,19 @@ TEST(GoreContact, ForcesAreTheDerivativeOfOneEnergyWhereGoresHaveLostTheirOrder)
     }
 }
 
+TEST(GoreContact, IsNoPullOfTheRisers) {
+    // Its reaction on the payload, which an axis in the wrong place makes large, is none of the opening
+    // force.
+    const Mesh mesh = test::coarse_c9(2, 5);
+    const auto block = make_gore_contact(mesh);
+    for (State& state : states_out_of_order(mesh)) {
+        block->add_forces(state);
+        note_riser_force(state, mesh.payload());
+        EXPECT_EQ(state.riser_force, Vec3::Zero());
+        EXPECT_GT(to_vec3(state.force[mesh.payload()].value).norm(), 0.0);
+    }
+}
+
 TEST(GoreContact, BringsNoEnergyAroundAClosedPath) {
     // A seam's node of the skirt goes around the whole axis and back through it: the work of its force, with
     // what the others are moved by (nothing), is nothing. The path is long in steps of a few millimetres.

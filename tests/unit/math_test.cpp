@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "fullsim/run/moving_average.hpp"
+#include "lib/math/interpolation.hpp"
 #include "lib/math/lanes.hpp"
 #include "lib/math/maximum.hpp"
 #include "lib/math/vec.hpp"
@@ -76,6 +79,40 @@ TEST(Lanes, CrossAndDotAreThoseOfVectors) {
     EXPECT_EQ(dot(a, b)[2], u.dot(v));
     const Lanes3 c = cross(a, b);
     EXPECT_EQ(Vec3(c.x[1], c.y[1], c.z[1]), w);
+}
+
+TEST(Reach, LeapsOverNoInterval) {
+    // By hand: wide, thin, wide. From 100 the thin one is 80 away and may be come to, from 30 its width
+    // counts.
+    const std::vector<double> levels{0.0, 10.0, 20.0, 21.0, 40.0};
+    const auto reach = [&](double x) { return reach_among(std::span(levels), x); };
+    EXPECT_EQ(reach(100.0), 60.0);  // down to the highest level
+    EXPECT_EQ(reach(30.0), 9.0);    // down to the thin interval
+    EXPECT_EQ(reach(20.5), 1.0);    // inside it
+    EXPECT_EQ(reach(21.0), 1.0);    // at its edge
+    EXPECT_EQ(reach(15.0), 5.0);    // up to it
+    EXPECT_EQ(reach(-7.0), 10.0);   // up, over the edge, no farther than the first is wide
+    EXPECT_EQ(reach_among(std::span(levels).first(1), 3.0), std::numeric_limits<double>::infinity());
+    EXPECT_EQ(reach_among(std::span(levels).first(0), 3.0), std::numeric_limits<double>::infinity());
+    // Any levels: a step of that length either way is no longer than any interval that it comes into. It may
+    // end on an edge, to rounding.
+    constexpr double near = 1.0 - 1e-12;
+    std::mt19937 random(7);
+    std::exponential_distribution<double> width(0.1);
+    for (int k = 0; k < 200; ++k) {
+        std::vector<double> some{0.0};
+        while (some.size() < 12)
+            some.push_back(some.back() + width(random));
+        const double x = std::uniform_real_distribution<double>(-20.0, 20.0 + some.back())(random);
+        const double step = reach_among(std::span<const double>(some), x);
+        for (std::size_t i = 0; i + 1 < some.size(); ++i) {
+            const bool up = some[i] < x + near * step && some[i + 1] > x,
+                       down = some[i + 1] > x - near * step && some[i] < x;
+            if (up || down) {
+                EXPECT_LE(step, some[i + 1] - some[i]) << k << " " << i;
+            }
+        }
+    }
 }
 
 TEST(MovingAverage, KeepsALinearSignalInItsCentre) {

@@ -246,7 +246,7 @@ TEST(SceneWind, ThatEndsInsideTheFlightIsSaid) {
     const Scene scene = read({});
     ASSERT_EQ(scene.warnings.size(), 1u);
     EXPECT_EQ(scene.warnings[0].what, "the wind of wind.csv ends inside the flight");
-    EXPECT_NE(scene.warnings[0].why.find("from 100 to 250 m, the fall from 0 to 300 m"), std::string::npos)
+    EXPECT_NE(scene.warnings[0].why.find("from 100 to 250 m, the flight from 0 to 300 m"), std::string::npos)
         << scene.warnings[0].why;
     EXPECT_NEAR(wind_at(scene, 0.0).x(), 5.0, 1e-14);
     EXPECT_NEAR(wind_at(scene, 300.0).x(), 10.0, 1e-14);

@@ -113,6 +113,14 @@ TEST(CampaignStatistics, LandingEllipseIsThatOfTheNormalDistribution) {
     EXPECT_TRUE(covers(ellipse.centre_y, -5.0));
     const auto inside = std::ranges::count_if(places, [&](const auto& p) { return ellipse.contains(p); });
     EXPECT_NEAR(static_cast<double>(inside) / 20'000.0, 0.95, 0.007);
+    // All on one line, as without any wind across: half of its length, and no width.
+    PlaneMoments line;
+    for (std::uint64_t i = 0; i < 20'000; ++i)
+        line.add({normal(1, i), 0.0});
+    const Ellipse flat = normal_ellipse(line, 0.95);
+    EXPECT_TRUE(flat.contains({0.99 * flat.major.estimate, flat.centre.y()}));
+    EXPECT_FALSE(flat.contains({1.02 * flat.major.estimate, flat.centre.y()}));
+    EXPECT_FALSE(flat.contains({0.0, 1e-3}));
 }
 
 TEST(CampaignStatistics, RankFinderFindsOrderStatistics) {
@@ -175,6 +183,27 @@ TEST(CampaignSensitivity, AnyDesignGivesFirstOrderIndices) {
 // The number of a realisation has no order: the mean over a share of its numbers says nothing of it.
 // Saltelli's design asks what stays where it stays. Y = h(number) + x with h of variance 1: shares of one
 // half.
+TEST(CampaignSensitivity, RoundingHasNoShares) {
+    // A metric that varies by less than the tolerance of its runs: nobody has a share of that.
+    for (const DesignKind design : {DesignKind::random, DesignKind::saltelli})
+        for (const double size : {1e-9, 1e-3}) {
+            const CampaignSpec spec =
+                test::campaign_of(std::vector(2, Distribution::normal(0.0, 1.0)), design, 4000);
+            Design points(spec);
+            IndexEstimator estimator(spec);
+            std::vector<double> x(2);
+            for (std::uint64_t run = 0; run < spec.runs; ++run) {
+                points.values(run, x);
+                estimator.add(run, x, 5000.0 * (1.0 + size * x[0]));
+            }
+            const Interval first = *estimator.indices()[0].first, other = *estimator.indices()[1].first;
+            EXPECT_EQ(std::isnan(first.estimate), size < 1e-8) << design_name(design);
+            if (size < 1e-8) continue;
+            EXPECT_NEAR(first.estimate, 1.0, 0.1) << design_name(design);
+            EXPECT_GE(other.high, 0.0) << design_name(design);  // no index is below zero
+        }
+}
+
 TEST(CampaignSensitivity, GustsHaveAnIndexBySaltellisDesignAlone) {
     for (const DesignKind design : {DesignKind::random, DesignKind::saltelli}) {
         CampaignSpec spec = test::campaign_of(

@@ -195,10 +195,13 @@ TEST(Clusters, MomentumIsThatOfAllForces) {
         for (std::size_t k = 0; k < cluster.size(); ++k)
             mass += cluster[k].constants().system_mass;
         const Vec3 before = momentum();
+        double unlike = 0.0;  // [N] of what the risers of both pull
         // Half-way all begin anew with a first step, as they do where one of them comes to its snatch.
         for (const double end : {0.05, 0.1})
             while (cluster.front().system().time < end) {
                 cluster.evaluate_forces();
+                unlike = std::max(unlike,
+                                  (cluster[0].system().riser_force - cluster[1].system().riser_force).norm());
                 if (cluster.front().system().time == 0.05) {
                     cluster.front().start_anew();
                     cluster.start_anew_but(0);
@@ -209,7 +212,7 @@ TEST(Clusters, MomentumIsThatOfAllForces) {
         const double expected = mass * scene.environment.gravity * 0.1;
         EXPECT_NEAR(gained.z(), -expected, 1e-9 * expected) << substeps;
         EXPECT_NEAR(gained.head<2>().norm(), 0.0, 1e-9 * expected) << substeps;
-        EXPECT_GT((cluster[0].system().riser_force - cluster[1].system().riser_force).norm(), 0.01);
+        EXPECT_GT(unlike, 0.01);
         EXPECT_GT(cluster.planes().front().largest_force(), 1.0);
     }
 }

@@ -268,5 +268,88 @@ TEST(Stops, AtLineStretchAndAtFullOpen) {
     }
 }
 
+TEST(FullResults, DoNotHangOnHowOftenTheHistoryIsWritten) {
+    // The end of a run is its own row, and what is found from rows has as many as it needs: not a bit
+    // differs.
+    Scene scene = coarse_opening();
+    scene.environment.wind = uniform_wind({3.0, 0.0, 0.0});
+    scene.release.altitude = 60.0;
+    scene.stop = {Trigger::Kind::ground, 0.0, 0.0};
+    const RunRecord often = run_full(scene);
+    ASSERT_EQ(often.status.code, StatusCode::completed) << often.status.detail;
+    ASSERT_TRUE(often.metric("impulse_N_s"));
+    for (const double rate : {10.0, 0.01}) {
+        scene.full.output_rate = rate;
+        const RunRecord seldom = run_full(scene);
+        ASSERT_EQ(seldom.metrics.size(), often.metrics.size()) << rate;
+        for (std::size_t i = 0; i < often.metrics.size(); ++i)
+            EXPECT_EQ(seldom.metrics[i].value, often.metrics[i].value) << rate << " " << often.metrics[i].key;
+        const auto& time = seldom.find_channel("time")->values;
+        EXPECT_EQ(time.front(), 0.0);
+        EXPECT_EQ(time.back(), *often.metric("flight_time_s"));
+        // One a period, and the end, in the middle of one.
+        EXPECT_EQ(time.size(), static_cast<std::size_t>(std::floor(time.back() * rate)) + 2) << rate;
+    }
+}
+
+TEST(FullResults, OfAnEndAreThoseOfItsInstant) {
+    // Full open is reached by the step that ends there, and the filling that the drag area has is whole.
+    Scene scene = coarse_opening();
+    scene.stop = {Trigger::Kind::full_open, 0.0, 0.0};
+    const RunRecord record = run_full(scene);
+    ASSERT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
+    EXPECT_EQ(record.find_channel("time")->values.back(), record.find_event("full-open")->time);
+    EXPECT_TRUE(record.metric("impulse_N_s"));
+    const auto missing = std::ranges::find(record.missing, "filling_time_s", &MissingMetric::metric);
+    ASSERT_NE(missing, record.missing.end());
+    EXPECT_NE(missing->why.find("after full open"), std::string::npos) << missing->why;
+}
+
+TEST(FullResults, OfARunShorterThanTheFilterAreItsMeans) {
+    // 2 ms of a canopy that starts open, filtered over 5 ms: the mean of all of it is what there is.
+    Scene scene = coarse_opening();
+    scene.parachutes.front().deploy.by = DeployBy::inflated;
+    scene.release.speed = 8.0;
+    scene.stop = {Trigger::Kind::time, 2e-3, 0.0};
+    const RunRecord record = run_full(scene);
+    const auto& raw = record.find_channel("force_raw")->values;
+    const auto [least, most] = std::ranges::minmax(raw);
+    EXPECT_GE(*record.metric("max_force_N"), 0.99 * least);
+    EXPECT_LE(*record.metric("max_force_N"), 1.01 * most);
+    EXPECT_GT(*record.metric("max_deceleration_g"), 0.0);
+    EXPECT_GT(least, 1000.0);
+}
+
+TEST(FullStops, ARippleIsNoPeak) {
+    // Light air and a heavy load: the force still rises when the drag area is full, and bounces meanwhile.
+    // What ends such a run is a force that has stayed low for a whole bounce; a dip had ended it at a third
+    // of this.
+    Scene scene = coarse_opening();
+    scene.environment.atmosphere = {find_atmosphere("us76")};
+    scene.release = {20000.0, 30.0, 0.25 * pi, 0.5 * pi};
+    scene.payload.mass = 1000.0;
+    scene.stop = {Trigger::Kind::peak_force, 0.0, 0.0};
+    const double rom = *test::run_rom(scene).metric("peak_force_N");
+    EXPECT_GT(*run_full(scene).metric("peak_force_N"), 0.9 * rom);
+}
+
+TEST(FullStops, APayloadThatFallsIntoItsCanopyEndsContactBetweenGores) {
+    // Straight up it comes to rest above its canopy and falls into it. Contact between gores counts from the
+    // axis between both, which has no direction then; without contact it goes on, with a warning.
+    Scene scene = coarse_opening();
+    scene.release.path_angle = -0.5 * pi;
+    scene.stop = {Trigger::Kind::time, 4.0, 0.0};
+    scene.full.contact = Contact::gores;
+    const RunRecord met = run_full(scene);
+    EXPECT_EQ(met.status.code, StatusCode::not_opened) << met.status.detail;
+    EXPECT_EQ(met.metric("unopened_parachutes"), 1.0);
+    EXPECT_LT(*met.metric("max_force_N"), 1000.0);  // lines that hang slack: 474 N, at the start
+    scene.full.contact = Contact::none;
+    const RunRecord through = run_full(scene);
+    EXPECT_TRUE(std::ranges::any_of(through.warnings, [](const Warning& w) {
+        return w.what.starts_with("the payload went through its canopy at t = ");
+    })) << through.status.detail;
+}
+
 }  // namespace
 }  // namespace twinchute

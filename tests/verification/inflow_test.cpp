@@ -175,6 +175,19 @@ TEST_F(Inflow, ForceIsAlongTheAirWhateverTheShape) {
                 1e-12 * force.norm());
 }
 
+TEST_F(Inflow, ACanopyThatHasTurnedOverHoldsNothing) {
+    // Its mouth faces away from the air: no pressure, no drag, and above all no thrust.
+    State turned = state_;
+    turned.air.direction = -turned.air.direction;
+    turned.air.wind = -turned.air.wind;
+    turned.inflow.steady_drag_area = 42.56;
+    EXPECT_EQ(solve(turned), Vec3::Zero());
+    EXPECT_LT(turned.air.signed_area, 0.0);
+    EXPECT_EQ(turned.air.pressure, 0.0);
+    EXPECT_EQ(turned.air.drag_area, 0.0);
+    EXPECT_GT(solve(state_).norm(), 100.0);
+}
+
 TEST_F(Inflow, PressureFallsAsTheCanopyGrowsFaster) {
     double before = HUGE_VAL;
     for (const double k : {-1.0, 0.0, 0.2, 0.5, 1.0, 2.0, 4.0}) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "lib/scene/line_stretch.hpp"
 #include "lib/solve/opening.hpp"
 #include "rom/deployment.hpp"
 #include "rom/fidelity.hpp"
@@ -156,7 +157,7 @@ TEST(RomDeployment, ExtractionByAConstantForce) {
         const double stretched = std::sqrt(2.0 * lines * parachute / 800.0);
         EXPECT_NEAR(metric(record, "line_stretch_time_s"), stretched, 1e-8);
         EXPECT_NEAR(metric(record, "payload_snatch_speed_m_s"), speed, 1e-9);
-        const double k = rom::line_stiffness(scene.parachutes.front()), dv = 800.0 * stretched / parachute;
+        const double k = line_stiffness(scene.parachutes.front()), dv = 800.0 * stretched / parachute;
         const double static_stretch = 800.0 * payload / together / k;
         const double stretch =
             static_stretch + std::hypot(static_stretch, dv * std::sqrt(payload * parachute / together / k));

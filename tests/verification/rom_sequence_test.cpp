@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "lib/scene/drag_area.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "lib/solve/opening.hpp"
@@ -115,8 +116,9 @@ TEST(RomSequence, AReefingLineThatIsNeverCutMakesASmallerParachute) {
 TEST(RomSequence, ACutterFiresExactlyAfterItsDelay) {
     const RunRecord record = run_rom(read_text(with(one_stage)));
     EXPECT_EQ(time_of(record, "disreef"), 4.0);
-    // The second stage begins at a tenth: sqrt(1 - g) of a whole filling at the speed of that instant.
-    const double whole = 4.0 * 8.53 / record.find_event("disreef")->speed;
+    // The second stage begins at a tenth: sqrt(1 - g) of a whole filling at the speed of that instant,
+    // without its initial phase of half a diameter, which no later stage has.
+    const double whole = (4.0 - 0.5) * 8.53 / record.find_event("disreef")->speed;
     EXPECT_NEAR(metric_of_sequence(record, "stage_2_filling_time_s"), whole * std::sqrt(1.0 - 0.06 / 0.96),
                 1e-6 * whole);
     EXPECT_EQ(time_of(record, "full-open"), 4.0 + metric_of_sequence(record, "stage_2_filling_time_s"));
@@ -423,7 +425,7 @@ TEST(RomSequence, AReefingLineThatIsNotCutBeforeTheGroundIsAFailureAndAHalfFullC
     const RunRecord reefed = run_rom(read_text(edited(with(one_stage), "time = \"20 s\"", "at = \"ground\""),
                                                {"parachute.reefing.1.until.delay=100 s"}));
     EXPECT_EQ(reefed.status.code, StatusCode::not_opened);
-    EXPECT_NE(reefed.status.detail.find("(reefing.1.until, line-stretch and 100 s, was met and not yet"),
+    EXPECT_NE(reefed.status.detail.find("(reefing.1.until, line-stretch and 100 s, was due at 100 s)"),
               std::string::npos)
         << reefed.status.detail;
     // From 20 m at 21 m/s it is down within a second; filling takes 1.6 s.
@@ -616,6 +618,80 @@ TEST(RomSequence, AClusterHasTheMassRatioOfEach) {
     const RunRecord one = run_rom(read_text(with("")));
     const RunRecord three = run_rom(read_text(with("count = 3\n")));
     EXPECT_NEAR(metric_of_sequence(three, "mass_ratio"), metric_of_sequence(one, "mass_ratio") / 3.0, 1e-12);
+}
+
+TEST(RomSequence, ACutAtTheEndOfTheInitialPhaseIsContinuous) {
+    // Just before filling begins the line has no effect; just after it the rest of one filling is left, at
+    // the speed of that instant: nothing slows this payload. 1 us apart, forces differ by that over t_f,
+    // 1e-6.
+    const double end = 0.5 * 8.53 / 21.0;
+    const auto full_open = [](double cut) {
+        const RunRecord record = run_rom(
+            read_text(with(one_stage), {fmt::format("parachute.reefing.1.until.delay=\"{:.9f} s\"", cut),
+                                        "payload.mass=1e6", "environment.gravity=1e-9"}));
+        return time_of(record, "full-open") / 8.53 * 21.0;
+    };
+    EXPECT_NEAR(full_open(end + 1e-6), 4.0, 1e-5);
+    EXPECT_NEAR(full_open(end - 1e-6), 4.0, 1e-5);
+}
+
+TEST(RomSequence, NoCanopyFillsAtRest) {
+    // n D0/v_s of what rounding leaves at an apogee straight up is ages: refused at 0 and at 1e-14 m/s alike.
+    const std::string there = edited(edited(sequence, "at = \"apogee\", delay = \"2 s\"", "at = \"apogee\""),
+                                     "fill_time = { time = \"0.5 s\" }\ninitial_phase = \"0 s\"\ncut",
+                                     "fill_time = { n = 8 }\ncut");
+    for (const char* speed : {"50 m/s", "50.1 m/s", "37 m/s"}) {
+        const RunRecord record = run_rom(read_text(there, {std::string("release.speed=\"") + speed + "\""}));
+        EXPECT_EQ(record.status.code, StatusCode::refused) << speed;
+        EXPECT_TRUE(record.status.detail.starts_with("drogue: a snatch at ")) << record.status.detail;
+        EXPECT_NE(record.status.detail.find("deploy it later"), std::string::npos) << record.status.detail;
+    }
+    // A second later it opens, and each that is slow is named, whichever comes last.
+    const RunRecord later = run_rom(read_text(there, {"parachute.drogue.deploy.when.delay=\"0.1 s\""}));
+    EXPECT_NE(later.status.code, StatusCode::refused) << later.status.detail;
+    EXPECT_TRUE(std::ranges::any_of(later.warnings, [](const Warning& w) {
+        return w.what.starts_with("drogue: too slow to inflate: 0.98");
+    }));
+}
+
+TEST(RomSequence, APayloadWithoutAParachuteHasNoDescentRate) {
+    const auto landing = [](const char* cut) {
+        return run_rom(
+            read_text(with(one_stage), {std::string("parachute.cut={") + cut + "}", "stop={at=\"ground\"}",
+                                        "payload.drag_area=\"3 m^2\"", "release.height=\"3000 m\""}));
+    };
+    // Reefed until 4 s, at rest in the air long before 60 s, by its own drag after the cut.
+    for (const auto& [cut, early] : {std::pair{"time=3", true}, {"time=60", false}}) {
+        const RunRecord record = landing(cut);
+        EXPECT_FALSE(record.find_metric("descent_rate_m_s")) << cut;
+        EXPECT_TRUE(warns(record, "the payload landed without a parachute")) << cut;
+        EXPECT_EQ(std::ranges::any_of(
+                      record.warnings,
+                      [](const Warning& w) { return w.what.ends_with("was cut before it was full"); }),
+                  early)
+            << cut;
+        EXPECT_FALSE(warns(record, not_steady_within_run)) << cut;
+    }
+}
+
+TEST(RomSequence, TheOrderOfTheTablesMeansNothing) {
+    const Scene first = read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/rocket-dual-deploy.toml");
+    Scene second = first;
+    std::ranges::reverse(second.parachutes);
+    const RunRecord a = run_rom(first), b = run_rom(second);
+    EXPECT_EQ(a.find_channel("force")->values, b.find_channel("force")->values);
+    const auto said = [](const RunRecord& record) {
+        std::vector<std::string> all;
+        for (const Warning& warning : record.warnings)
+            all.push_back(warning.what);
+        std::ranges::sort(all);
+        return all;
+    };
+    EXPECT_EQ(said(a), said(b));
+    EXPECT_EQ(&landing_parachute(first), &first.parachutes[1]);
+    EXPECT_EQ(&landing_parachute(second), &second.parachutes[0]);
+    second.parachutes[0].cut = Trigger{};
+    EXPECT_EQ(&landing_parachute(second), &second.parachutes[1]);
 }
 
 }  // namespace

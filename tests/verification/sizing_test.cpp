@@ -332,13 +332,46 @@ TEST(Sizing, VariesTheParachuteThatItsNameSays) {
     scene.parachutes.push_back(scene.parachutes.front());
     scene.parachutes[0].name = "drogue";
     scene.parachutes[1].name = "main";
-    for (const auto& [name, index] : {std::pair{"", 1u}, {"drogue", 0u}, {"main", 1u}}) {
+    for (const auto& [name, index] : {std::pair{"drogue", 0u}, {"main", 1u}}) {
         scene.size->parachute = name;
         Scene changed = scene;
         rom::find_vary("nominal_diameter")->set(changed, 1.5 * scene.parachutes[0].nominal_diameter);
         EXPECT_NE(changed.parachutes[index], scene.parachutes[index]) << name;
         EXPECT_EQ(changed.parachutes[1 - index], scene.parachutes[1 - index]) << name;
     }
+    // Without a name it is the one that the payload lands under.
+    const Scene rocket =
+        read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/rocket-dual-deploy.toml", {"size.max_descent_rate=6"});
+    EXPECT_EQ(rocket.size->parachute, "main");
+}
+
+TEST(Sizing, GoesOnWhereTheEndOfItsSearchIsTheBest) {
+    // The closed form takes the air at the ground; here the run ends 20 km up, in a fourteenth of its
+    // density, and the canopy has to be 3.7 times as large: beyond what the search begins with. 2 %: the
+    // descent is not over.
+    const std::string high =
+        edited(edited(falling, "atmosphere = { density = 1.2 }", ""), "height = 2000", "height = 20500");
+    const Sized found = sized(edited(high, "time = 60", "time = 40"));
+    ASSERT_TRUE(found.best() && found.best()->meets());
+    const double air = Atmosphere{find_atmosphere("us76")}.at(20000.0).density;
+    const double mass = 100.0 + chute(*found.best()).mass;
+    EXPECT_NEAR(chute(*found.best()).nominal_diameter,
+                std::sqrt(8.0 * mass * 9.80665 / (pi * air * 0.75)) / 6.0, 0.02 * 30.0);
+    EXPECT_NEAR(found.best()->found->judged.used, 1.0, 1e-6);
+}
+
+TEST(Sizing, CountsTheOtherParachutesThatStay) {
+    // A second canopy carries its share: areas add up, and the closed form knows it.
+    Scene scene = read_text(falling);
+    scene.parachutes.push_back(scene.parachutes.front());
+    scene.parachutes[0].name = "other", scene.parachutes[1].name = "sized";
+    scene.size->parachute = "sized";
+    Scene& s = scene;
+    const double area = 2.0 * (100.0 + 8.0) * 9.80665 / (density * 36.0) - s.parachutes[0].drag_area;
+    EXPECT_NEAR(rom::diameter_by_descent_rate(s), std::sqrt(4.0 * area / (pi * 0.75)), 1e-9);
+    s.parachutes[0].cut = Trigger{};  // it is gone by then
+    const double alone = 2.0 * (100.0 + 4.0) * 9.80665 / (density * 36.0);
+    EXPECT_NEAR(rom::diameter_by_descent_rate(s), std::sqrt(4.0 * alone / (pi * 0.75)), 1e-9);
 }
 
 }  // namespace

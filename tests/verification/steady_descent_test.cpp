@@ -136,7 +136,8 @@ TEST(DescentRate, OfACanopyThatWentThroughItselfIsNone) {
         const RunRecord record = run_full(scene);
         if (record.status.code != StatusCode::not_opened) continue;
         ++wound;
-        EXPECT_NE(record.status.detail.find("fabric has passed through fabric"), std::string::npos);
+        EXPECT_NE(record.status.detail.find("fabric has passed through fabric"), std::string::npos)
+            << record.status.detail;
         EXPECT_EQ(record.metric("descent_rate_m_s"), std::nullopt);
         EXPECT_EQ(record.metric("unopened_parachutes"), 1.0);
     }

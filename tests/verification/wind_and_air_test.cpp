@@ -170,5 +170,26 @@ TEST(Accreting, ShortensStepsInWhichMuchAirJoins) {
     EXPECT_LT(std::abs(record.energy->residual_fraction), 0.002);
 }
 
+TEST(Wind, AClimbOutOfItsTableIsSaid) {
+    // The table reaches over the release, the flight does not stay below it: 40 m/s upward without drag is 81
+    // m.
+    Scene scene = c9_scene();
+    scene.release.path_angle = -0.5 * pi;
+    scene.release.speed = 40.0;
+    Trigger late;
+    late.kind = Trigger::Kind::time;
+    late.value = 6.0;
+    scene.parachutes.front().deploy_when = late;
+    const double top = scene.release.altitude;
+    const auto is_said = [](const RunRecord& record) {
+        return std::ranges::count(record.warnings, "the wind of t.csv ends inside the flight",
+                                  &Warning::what);
+    };
+    for (const double above : {1.0, 80.0, 83.0}) {
+        scene.environment.wind = Wind{{{0.0, {1.0, 0.0, 0.0}}, {top + above, {1.0, 0.0, 0.0}}}, "t.csv"};
+        EXPECT_EQ(is_said(run_rom(scene)), above < 81.0 ? 1 : 0) << above;
+    }
+}
+
 }  // namespace
 }  // namespace twinchute

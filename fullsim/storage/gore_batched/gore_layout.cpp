@@ -197,7 +197,7 @@ public:
         };
         if (has_.own_loops) nodes_->store(state);
         run(structure_);
-        state.riser_force = to_vec3(state.force[mesh_.payload()].value);
+        note_riser_force(state, mesh_.payload());
         run(loads_);
         damp_global(state);
         if (has_.own_loops) nodes_->scatter_add_forces(state);
@@ -624,6 +624,7 @@ private:
     }
     void finish_contacts(State& state, const ElementSums& all) {
         const AxisReaction on = axis_reaction(axis_, Vec3(all.by_arm.data()), Vec3(all.by_turning.data()));
+        state.contact_reaction = on.payload;
         state.force[mesh_.payload()].value += to_lanes(on.payload);
         step_.has_contact_reaction = true;
         step_.contact_reaction = to_array(on.canopy / constants_.canopy_mass);

@@ -134,7 +134,7 @@ public:
         for (const Acting& block : structure_)
             clock.run([&] { (this->*block.row->add)(state); });
         state.force[mesh_.payload()].value = pull_ = pull_on_payload();
-        state.riser_force = to_vec3(state.force[mesh_.payload()].value);
+        note_riser_force(state, mesh_.payload());
         for (const Acting& block : loads_)
             clock.run([&] {
                 if (!block.row) return block.model->node_load()->add_to(node_loads_, state);

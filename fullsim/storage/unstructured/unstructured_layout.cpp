@@ -146,7 +146,7 @@ public:
         node_loads_ = {};
         step_.contact = {};
         for (std::size_t k = 0; k < acts_.size(); ++k) {
-            if (k == structure_->size()) state.riser_force = to_vec3(state.force[mesh_.payload()].value);
+            if (k == structure_->size()) note_riser_force(state, mesh_.payload());
             const Acting& block = acts_[k];
             clock.run([&] {
                 if (block.load) return block.load->add_to(node_loads_, state);
@@ -154,8 +154,7 @@ public:
                 block.add ? (this->*block.add)(state) : block.model->add_forces(state);
             });
         }
-        if (acts_.size() == structure_->size())
-            state.riser_force = to_vec3(state.force[mesh_.payload()].value);
+        if (acts_.size() == structure_->size()) note_riser_force(state, mesh_.payload());
     }
 
     CriticalSteps critical_steps(const State& state) override {
@@ -629,6 +628,7 @@ private:
                                                    {to_array3(axis.canopy), to_array3(axis.direction)});
         const AxisReaction on = axis_reaction(axis, Vec3(sums.by_arm.data()), Vec3(sums.by_turning.data()));
         step_.contact = to_array4(on.canopy / constants_.canopy_mass);
+        state.contact_reaction = on.payload;
         state.force[mesh_.payload()].value += to_lanes(on.payload);
     }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "lib/math/vec.hpp"
+#include "lib/scene/line_stretch.hpp"
 #include "lib/solve/opening.hpp"
 #include "rom/deployment.hpp"
 #include "rom/rigid_composite.hpp"
@@ -41,7 +42,7 @@ Bodies bodies_of(const Scene& scene) {
     model.gravity = scene.environment.gravity;
     model.payload_mass = scene.payload.mass;
     model.parachute_mass = chute.mass;
-    model.stiffness = rom::line_stiffness(chute);
+    model.stiffness = line_stiffness(chute);
     model.taut_distance = rom::taut_distance(chute);
     model.behind = rom::Vec<1>::Unit(0);
     static const OpeningSequence none;
