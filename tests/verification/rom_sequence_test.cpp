@@ -622,8 +622,8 @@ TEST(RomSequence, AClusterHasTheMassRatioOfEach) {
 
 TEST(RomSequence, ACutAtTheEndOfTheInitialPhaseIsContinuous) {
     // Just before filling begins the line has no effect; just after it the rest of one filling is left, at
-    // the speed of that instant: nothing slows this payload. 1 us apart, forces differ by that over t_f,
-    // 1e-6.
+    // the speed of that instant: nothing slows this payload. What has grown in 1 us is worth 2e-5 of it,
+    // half a diameter of transit would be 0.5.
     const double end = 0.5 * 8.53 / 21.0;
     const auto full_open = [](double cut) {
         const RunRecord record = run_rom(
@@ -631,8 +631,8 @@ TEST(RomSequence, ACutAtTheEndOfTheInitialPhaseIsContinuous) {
                                         "payload.mass=1e6", "environment.gravity=1e-9"}));
         return time_of(record, "full-open") / 8.53 * 21.0;
     };
-    EXPECT_NEAR(full_open(end + 1e-6), 4.0, 1e-5);
-    EXPECT_NEAR(full_open(end - 1e-6), 4.0, 1e-5);
+    EXPECT_NEAR(full_open(end + 1e-6), 4.0, 1e-4);
+    EXPECT_NEAR(full_open(end - 1e-6), 4.0, 1e-4);
 }
 
 TEST(RomSequence, NoCanopyFillsAtRest) {
