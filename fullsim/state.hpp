@@ -331,6 +331,7 @@ inline void clear_forces(State& state, std::size_t first = 0) {
     for (NodeForces* forces : {&state.force, &state.aero})
         forces->clear(state.node.size(), first);
     state.damping_power = state.accretion_power = state.external_power = 0.0;
+    state.contact_reaction = Vec3::Zero();
 }
 
 }  // namespace twinchute::fullsim

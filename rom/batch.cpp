@@ -142,7 +142,7 @@ private:
             as_before ? snatch_density_[l - 1] : scene.environment.atmosphere.at(altitude).density;
         inflation_[l] = make_inflation(scene, chute, 0.0, speed_[l], snatch_density_[l]);
         const Inflation& in = inflation_[l];
-        if (!(std::isfinite(in.filling_time) && in.initial_time < in.filling_time)) alive_[l] = 0;
+        if (refused_opening(in, 0.0)) alive_[l] = 0;
         data_.weighed[l] = scene.payload.mass + chute.mass;
         data_.hung[l] = scene.payload.mass;
         data_.gravity[l] = scene.environment.gravity;
