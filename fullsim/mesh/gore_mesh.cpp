@@ -56,8 +56,27 @@ public:
         mesh_.axis = axis;
         mesh_.line_stretch = 1.0 + load / (chute_.gores * chute_.line.axial_stiffness());
         const Vec3 across = axis.unitOrthogonal();
-        place_canopy(geometry_.fold(outline_, rows_, {mouth_area, load, mesh_.fabric_of(sheets_.back())}),
-                     across, axis.cross(across), mesh_.vent_held_down);
+        const CanopyNodes shape =
+            geometry_.fold(outline_, rows_, {mouth_area, load, mesh_.fabric_of(sheets_.back())});
+        if (const double radius = std::hypot(shape.skirt.x(), shape.skirt.y()); radius >= chute_.line_length)
+            throw SceneError(
+                {}, "parachute.line_length",
+                fmt::format("{:.4g} m does not reach from the skirt to the axis", chute_.line_length),
+                fmt::format("as the scene begins the skirt has a radius of {:.4g} m", radius),
+                "about D0 is common");
+        if (!chute_.reefing.empty() && chute_.deploy.by == DeployBy::line_stretch) {
+            const int skirt = counts_.gore_rows;
+            const double around = chute_.gores * (shape.node(skirt, 1, 0) - shape.node(skirt, 0, 0)).norm();
+            if (const double line = chute_.reefing.front().line_length.value_or(around);
+                line < around * (1.0 - 1e-6))
+                throw SceneError(
+                    {}, "parachute.reefing.1.line_length",
+                    fmt::format("{:.4g} m does not go around the mouth", line),
+                    fmt::format("as the scene begins it is {:.4g} m from seam to seam around the skirt",
+                                around),
+                    "lengthen the line, or lower initial_drag_area_ratio");
+        }
+        place_canopy(shape, across, axis.cross(across), mesh_.vent_held_down);
         return build(payload_mass);
     }
 
@@ -176,19 +195,15 @@ private:
     }
 
     /// across, along: directions of the shape's x and y. The payload is the origin. held: by vent lines.
+    /// Lines that do not reach from the skirt to the axis have no height.
     void place_canopy(const CanopyNodes& shape, const Vec3& across, const Vec3& along, bool held) {
         // Lines are straight and as long as they are: that gives the apex its height.
         const double skirt_radius = std::hypot(shape.skirt.x(), shape.skirt.y());
         const double line = mesh_.line_stretch * chute_.line_length;
-        if (!(line > skirt_radius))
-            throw SceneError(
-                {}, "parachute.line_length",
-                fmt::format("{:.4g} m does not reach from the skirt to the axis", line),
-                fmt::format("as the scene begins the skirt has a radius of {:.4g} m", skirt_radius),
-                "about D0 is common");
         link_height_ = mesh_.line_stretch * chute_.riser_length;
-        const double apex =
-            link_height_ + std::sqrt(line * line - skirt_radius * skirt_radius) + shape.skirt.z();
+        const double apex = link_height_ +
+                            std::sqrt(std::max(0.0, line * line - skirt_radius * skirt_radius)) +
+                            shape.skirt.z();
         const double share = held ? height_share(shape) : 1.0, skirt = apex - shape.skirt.z();
         for (std::size_t row = 0; row < rows_.size(); ++row) {
             mesh_.seam_rings.emplace_back();

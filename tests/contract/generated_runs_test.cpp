@@ -103,7 +103,10 @@ TEST_F(GeneratedRuns, FullEndsSoundly) {
             // Random materials may ask for steps of nanoseconds: as far as 20 000 of them go.
             step = scene.full.time_step_factor * fullsim::Simulation(scene).bound().dt;
         } catch (const SceneError& error) {  // only the mesh shows how short is too short
-            ASSERT_EQ(error.key(), "parachute.vent_lines.length") << error.what();
+            ASSERT_TRUE(error.key() == "parachute.vent_lines.length" ||
+                        error.key() == "parachute.line_length" ||
+                        error.key() == "parachute.reefing.1.line_length")
+                << error.what();
             continue;
         }
         ++made;

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
+#include "lib/scene/scene_error.hpp"
 #include "tests/support/c9_scene.hpp"
 #include "tests/support/runs.hpp"
 
@@ -349,6 +351,59 @@ TEST(FullStops, APayloadThatFallsIntoItsCanopyEndsContactBetweenGores) {
     EXPECT_TRUE(std::ranges::any_of(through.warnings, [](const Warning& w) {
         return w.what.starts_with("the payload went through its canopy at t = ");
     })) << through.status.detail;
+}
+
+TEST(FullStops, LinesTooShortForAnOpenMouthAreRefused) {
+    // The mouth of the open C-9 has a radius of 2.6 m, from which lines of 2 m do not come to the axis.
+    // Nothing but a start asks for that: the flat canopy is wider still.
+    Scene scene = coarse_opening();
+    scene.parachutes.front().deploy.by = DeployBy::inflated;
+    scene.release.speed = 8.0;
+    scene.stop = {Trigger::Kind::time, 0.01, 0.0};
+    scene.parachutes.front().line_length = 3.0;
+    EXPECT_EQ(run_full(scene).status.code, StatusCode::completed);
+    scene.parachutes.front().line_length = 2.0;
+    try {
+        run_full(scene);
+        ADD_FAILURE() << "not refused";
+    } catch (const SceneError& error) {
+        EXPECT_NE(std::string(error.what()).find("parachute.line_length: 2 m does not reach"),
+                  std::string::npos)
+            << error.what();
+    }
+}
+
+TEST(FullStops, AReefingLineShorterThanTheMouthIsRefused) {
+    // Seams alone border the mouth here: 28 sides of the circle that the initial drag area asks for, 3.49 m
+    // around. A line of 3 m would have to stretch by 16 % as it begins, and no lighter payload would spare it
+    // that.
+    for (const double line : {3.0, 3.6}) {
+        Scene scene = coarse_opening();
+        Reefing stage;
+        stage.drag_area_ratio = 0.2;
+        stage.until.kind = Trigger::Kind::time;
+        stage.until.value = 1.0;
+        stage.line_length = line;
+        scene.parachutes.front().reefing = {stage};
+        scene.stop = {Trigger::Kind::time, 0.01, 0.0};
+        if (line > 3.5) {
+            EXPECT_EQ(run_full(scene).status.code, StatusCode::completed) << line;
+            continue;
+        }
+        EXPECT_THROW(run_full(scene), SceneError) << line;
+    }
+}
+
+TEST(FullResults, ACanopyThatStaysClosedHasNoFillingTime) {
+    // Without pressure nothing spreads it: its drag area is told, its shape is a bundle.
+    Scene scene = coarse_opening();
+    scene.aerodynamics.radial_pressure = 0.0;
+    scene.stop = {Trigger::Kind::time, 4.0, 0.0};
+    const RunRecord record = run_full(scene);
+    EXPECT_FALSE(record.metric("filling_time_s")) << *record.metric("filling_time_s");
+    const auto missing = std::ranges::find(record.missing, "filling_time_s", &MissingMetric::metric);
+    ASSERT_NE(missing, record.missing.end());
+    EXPECT_EQ(missing->why, "the canopy stayed closed");
 }
 
 }  // namespace
