@@ -61,7 +61,8 @@ TEST_F(SystemSeries, CompareReportsEachAndEndsWithTheGravest) {
 
     // Reported again from its records, by whatever name; not without the one that failed.
     EXPECT_EQ(run({"report", "v", "--quiet"}).code, 1);
-    EXPECT_EQ(json::parse(run({"report", "v/last", "v/last/", "v/../v/last", "--json"}).out).size(), 1u);
+    const json one = json::parse(run({"report", "v/last", "v/last/", "v/../v/last", "--json"}).out);
+    EXPECT_TRUE(one.is_object());  // of one comparison, not a list of three
     std::filesystem::remove_all(here_ / "v/narrow");
     const Ended without = run({"report", "v"});
     EXPECT_EQ(without.code, 2) << without.out;
