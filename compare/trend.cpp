@@ -52,7 +52,7 @@ double size_of(const MetricChange& change) {
 
 using Tolerances = std::map<std::string, Tolerance>;
 
-/// What either of the two gaps judges: a parachute that is called otherwise now takes its metrics along.
+/// Metrics that either of the two gaps judges: those of a parachute that has another name now are missed.
 Tolerances judged_metrics(const FidelityGap& before, const FidelityGap& now, const Tolerances& asked) {
     Tolerances judged = asked;  // they win
     for (const MetricRow& row : metric_rows())

@@ -113,7 +113,7 @@ bool VariedScene::check(const std::vector<KeyValue>& values) {
     try {
         wanted = read(values);
     } catch (const SceneError&) {
-        // What is more than a range only reading finds out.
+        // Checks that go beyond the range of one key are made by reading alone.
         for (std::size_t i = 0; quick_ && i < keys_.size(); ++i)
             if (!setters_[i].takes(values[i])) throw;
         quick_ = false;

@@ -23,7 +23,6 @@ struct Findings {
     double snatch_density = 0.0;                            ///< [kg/m^3]
     bool switched_late = false;                             ///< finite elements took over at full open only
     std::optional<double> met_payload;                      ///< [s] came as near as fabric and it could not
-    bool fell_in = false;                                   ///< where that ends the run
     std::vector<ParachuteResult::Stage> stages = {{}};      ///< of the opening
     std::optional<DescentWindow> descent, last_window;      ///< found steady; judged last
     std::optional<double> descent_altitude, landing_time;   ///< [m], [s]
@@ -61,6 +60,8 @@ struct RunView {
     const Parachute& parachute() const { return scene.parachutes.front(); }
     bool packed() const { return parachute().deploy.starts_packed(); }
     bool inflated() const { return parachute().deploy.by == DeployBy::inflated; }
+    /// The payload fell into the canopy, which contact between gores does not know: that ends the run.
+    bool fell_in() const { return findings.met_payload && scene.full.contact == Contact::gores; }
     bool snatched() const { return std::isfinite(findings.snatch); }
     bool reefed() const { return simulation().is_reefed(); }
     /// [s] of the open canopy; infinite as long as it is reefed.

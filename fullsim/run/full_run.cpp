@@ -621,7 +621,6 @@ void FullRun::look_for_recontact() {
         std::optional<double>& met = canopies_[k]->found().met_payload;
         if (!met) met = cluster_.time();
         if (scene_.full.contact != Contact::gores) continue;  // others go on, with a warning
-        canopies_[k]->found().fell_in = true;
         return end(StatusCode::stopped_by_event,
                    fmt::format("the payload and its canopy met at t = {:.4g} s", cluster_.time()));
     }

@@ -242,7 +242,7 @@ void Observer::finish() {
     const auto last = [&](const MovingAverage& average) {
         return average.ready() ? average.value() : average.so_far();
     };
-    extremes_.acceleration = std::max(extremes_.acceleration, force_.ready() ? 0.0 : last(acceleration_));
+    if (!acceleration_.ready()) extremes_.acceleration = acceleration_.so_far();
     for (; unsettled_ < rows_.size(); ++unsettled_) {
         rows_[unsettled_].force = last(force_);
         rows_[unsettled_].acceleration = last(acceleration_);

@@ -304,7 +304,7 @@ NeverOpened fallen_into() {
 }
 
 std::vector<NeverOpened> unopened_of_one(const RunView& run) {
-    if (run.findings.fell_in) return {fallen_into()};
+    if (run.fell_in()) return {fallen_into()};
     if (run.sequence) return never_opened(*run.sequence);
     if (run.parachute().filling.is_predicted() && run.snatched() && run.findings.landing_time &&
         !std::isfinite(run.full_open()))
@@ -528,8 +528,8 @@ void fill_results_of_stages(const StagesView& run, std::span<const RunView> para
                                  one.snatch_density());
     std::vector<NeverOpened> unopened = never_opened(run.sequence);
     for (const std::size_t k : run.canopies.out())
-        if (each[k].findings.fell_in || went_through_itself(each[k])) {
-            NeverOpened one = each[k].findings.fell_in ? fallen_into() : turned_through(each[k]);
+        if (each[k].fell_in() || went_through_itself(each[k])) {
+            NeverOpened one = each[k].fell_in() ? fallen_into() : turned_through(each[k]);
             one.parachute = run.canopies.parachute(k);
             add_unopened(unopened, std::move(one));
         }

@@ -157,7 +157,7 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
                  "its fabric and openings let out more than its mouth takes in at this speed",
                  "check permeability and geometric_porosity; such a canopy would not have that drag area");
     }
-    if (run.findings.met_payload && !run.findings.fell_in)
+    if (run.findings.met_payload && !run.fell_in())
         warn(fmt::format("the payload went through its canopy at t = {:.4g} s", *run.findings.met_payload),
              "it came within a tenth of D0 of the middle of the fabric, and nothing keeps one from the other",
              "do not trust what comes after; release it on a flatter path, or deploy it later");

@@ -100,7 +100,7 @@ std::optional<Warning> smeared_slots(const Parachute& chute);
 /// Warning where a flat circular canopy stands in for another type, as lacks_canopy; otherwise nothing.
 std::optional<Warning> stand_in(const Parachute& chute);
 
-/// What to say of a flight from `low` to `high` [m] through a wind whose levels end inside it.
+/// Warning about a flight from `low` to `high` [m] through a wind whose levels end inside it.
 std::optional<Warning> wind_warning(const Environment& environment, double low, double high);
 
 }  // namespace twinchute

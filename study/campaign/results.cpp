@@ -43,7 +43,7 @@ bool is_hit(const AnswerSpec& answer, double value) {
 
 /// Whether a run is drawn by itself: in a block of Saltelli's design those after the first two share all
 /// inputs but one with the first, and are for its indices alone.
-bool is_drawn(const CampaignSpec& spec, std::uint64_t run) {
+bool is_independent(const CampaignSpec& spec, std::uint64_t run) {
     return spec.design != DesignKind::saltelli || run % saltelli_block(spec.inputs.size()) < 2;
 }
 
@@ -157,8 +157,8 @@ void take_stock(const CampaignSpec& spec, const RunStore& store, const Columns& 
             estimators[m].add(run, row.subspan(1, columns.inputs),
                               row[*columns.of(results.indices[m].metric)]);
         if (is_example(run)) results.examples.emplace_back(row.begin(), row.end());
-        if (!is_drawn(spec, run)) return;
-        ++results.drawn;
+        if (!is_independent(spec, run)) return;
+        ++results.independent;
         for (Tally& tally : tallies)
             tally.add(row);
         for (std::size_t m = 0; m < results.histograms.size(); ++m) {
@@ -196,7 +196,7 @@ void find_quantiles(const CampaignSpec& spec, const RunStore& store, const Colum
             return;
         }
         each_row(store, runs, [&](std::uint64_t run, std::span<const double> row) {
-            for (std::size_t i = 0; i < finders.size() && is_drawn(spec, run); ++i)
+            for (std::size_t i = 0; i < finders.size() && is_independent(spec, run); ++i)
                 if (const double value = row[*columns.of(results.histograms[i].metric)]; std::isfinite(value))
                     take(finders[i], value);
         });
@@ -234,7 +234,7 @@ void count_inside(const CampaignSpec& spec, const RunStore& store, const Columns
     if (ellipses.empty() || !east || !north) return;
     std::vector<std::uint64_t> inside(ellipses.size());
     each_row(store, runs, [&](std::uint64_t run, std::span<const double> row) {
-        if (!is_drawn(spec, run) || std::isnan(row[*east]) || std::isnan(row[*north])) return;
+        if (!is_independent(spec, run) || std::isnan(row[*east]) || std::isnan(row[*north])) return;
         for (std::size_t i = 0; i < ellipses.size(); ++i)
             inside[i] += ellipses[i]->ellipse->contains({row[*east], row[*north]}) ? 1 : 0;
     });
@@ -287,17 +287,17 @@ void take_simulation(Answer& answer, RareEvent event) {
     answer.rare = std::move(event);
 }
 
-/// What lacks a metric may be what the limit is about: no parachute, no descent rate. A probability is met
-/// only if it would be with all of them counted as hits.
-void doubt_missing(Answer& answer, std::uint64_t drawn) {
-    if (answer.count >= drawn || answer.count == 0) return;
-    const std::uint64_t missing = drawn - answer.count;
+/// Counts runs without the metric against a limit: a run without a descent rate may be the one that fell
+/// fastest. A probability is met only if it would be with all of them counted as hits.
+void doubt_missing(Answer& answer, std::uint64_t runs) {
+    if (answer.count >= runs || answer.count == 0) return;
+    const std::uint64_t missing = runs - answer.count;
     answer.note =
-        fmt::format("{} of {} runs have no {} and do not count", missing, drawn, answer.spec->metric);
+        fmt::format("{} of {} runs have no {} and do not count", missing, runs, answer.spec->metric);
     if (answer.verdict != Verdict::met || answer.spec->kind != AnswerSpec::Kind::probability) return;
-    if (share_interval(answer.hits + missing, drawn).high <= *answer.spec->limit) return;
+    if (share_interval(answer.hits + missing, runs).high <= *answer.spec->limit) return;
     answer.verdict = Verdict::undecided;
-    answer.note += "; if all of them are such the limit is exceeded";
+    answer.note += "; with all of them as hits the limit is not met";
 }
 
 CampaignResults evaluate(const CampaignSpec& spec, const RunStore& store, const Columns& columns,
@@ -320,7 +320,7 @@ CampaignResults evaluate(const CampaignSpec& spec, const RunStore& store, const 
     count_inside(spec, store, columns, runs, results);
     for (Answer& answer : results.answers) {
         answer.verdict = verdict_of(*answer.spec, answer.value);
-        doubt_missing(answer, results.drawn);
+        doubt_missing(answer, results.independent);
         results.has_landing = results.has_landing || answer.ellipse;
     }
     return results;
@@ -335,7 +335,7 @@ Interval interval_of(const CampaignSpec& spec, const AnswerSpec& answer, const R
     }
     Tally tally(answer, columns);
     each_row(store, runs, [&](std::uint64_t run, std::span<const double> row) {
-        if (is_drawn(spec, run)) tally.add(row);
+        if (is_independent(spec, run)) tally.add(row);
     });
     return tally.answer().value;
 }

@@ -73,7 +73,7 @@ struct MetricIndices {
 
 struct CampaignResults {
     std::uint64_t wanted = 0, made = 0, complete = 0;
-    std::uint64_t drawn = 0;  ///< of those made, independent of each other: what answers are from
+    std::uint64_t independent = 0;  ///< of those made: answers are from these
     std::map<std::string, FailedRuns> failed;
     std::vector<Answer> answers;
     std::vector<Histogram> histograms;

@@ -324,7 +324,7 @@ TEST(FullResults, OfARunShorterThanTheFilterAreItsMeans) {
 
 TEST(FullStops, ARippleIsNoPeak) {
     // Light air and a heavy load: the force still rises when the drag area is full, and bounces meanwhile.
-    // What ends such a run is a force that has stayed low for a whole bounce; a dip had ended it at a third
+    // Such a run ends at a force that has stayed low for a whole bounce; at the first dip it has a third
     // of this.
     Scene scene = coarse_opening();
     scene.environment.atmosphere = {find_atmosphere("us76")};
