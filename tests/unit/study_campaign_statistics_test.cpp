@@ -115,12 +115,15 @@ TEST(CampaignStatistics, LandingEllipseIsThatOfTheNormalDistribution) {
     EXPECT_NEAR(static_cast<double>(inside) / 20'000.0, 0.95, 0.007);
     // All on one line, as without any wind across: half of its length, and no width.
     PlaneMoments line;
+    const Eigen::Vector2d along(std::cos(turn), std::sin(turn)), across(-std::sin(turn), std::cos(turn));
     for (std::uint64_t i = 0; i < 20'000; ++i)
-        line.add({normal(1, i), 0.0});
+        line.add(normal(1, i) * along);
     const Ellipse flat = normal_ellipse(line, 0.95);
-    EXPECT_TRUE(flat.contains({0.99 * flat.major.estimate, flat.centre.y()}));
-    EXPECT_FALSE(flat.contains({1.02 * flat.major.estimate, flat.centre.y()}));
-    EXPECT_FALSE(flat.contains({0.0, 1e-3}));
+    const double half = flat.major.estimate;
+    for (const double share : {-0.97, -0.3, 0.2, 0.97})
+        EXPECT_TRUE(flat.contains(share * half * along)) << share;
+    EXPECT_FALSE(flat.contains(1.03 * half * along));
+    EXPECT_FALSE(flat.contains(1e-3 * across));
 }
 
 TEST(CampaignStatistics, RankFinderFindsOrderStatistics) {
