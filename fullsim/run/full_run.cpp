@@ -14,11 +14,6 @@ namespace {
 
 constexpr int steps_between_falls = 10;  // samples of the fall: some ten a bounce, of lines that are short
 constexpr int steps_between_reports = 500;
-// Frames of a report: a deployment lasts tenths of a second to some seconds, breathing as long as filling.
-constexpr FrameStretch deployment_frames{0.02, 20}, descent_frames{0.1, 16};
-constexpr std::size_t opening_frames = 48;
-constexpr double opening_and_breathing = 2.0;   // filling times, from snatch
-constexpr double expected_fill_constant = 8.0;  // of a filling that is predicted, for frames alone
 
 }  // namespace
 
@@ -35,34 +30,13 @@ FullRun::FullRun(const Scene& scene, std::span<const double> stated_masses, Run&
                          : make_layout(s, mesh, constants, threads);
           },
           run.threads),
-      stated_masses_(stated_masses.begin(), stated_masses.end()),
       stages_(has_stages(scene) ? std::make_unique<Stages>(scene) : nullptr),
+      recorder_(scene, stated_masses, run, cluster_, stages_.get()),
       fall_(scene.environment),
-      fields_(meshes(), scene.full.fields_rate, run.fields),
-      frames_(meshes(), static_cast<bool>(run.frames), stages_ ? 1 : cluster_.front().sectors()),
       stop_time_(scene.stop.kind == Trigger::Kind::time ? scene.stop.value + scene.stop.delay
                                                         : longest_flight),
       clock_(run, scene.full.checkpoint_interval) {
-    for (std::size_t k = 0; k < cluster_.size(); ++k)
-        canopies_.push_back(
-            std::make_unique<CanopyRun>(cluster_.scene(k), stated_masses_.front(), cluster_, k));
-    if (const auto& body = scene.payload.body; body && body->sling_length)
-        slings_.emplace(sling_geometry(*body));
-    if (stages_) {
-        together_ = std::make_unique<Together>(scene, *stages_->meshes().front(), cluster_);
-        cluster_.watch(stages_->watch());
-        return;
-    }
-    if (cluster_.size() > 1)
-        together_ = std::make_unique<Together>(scene, stated_masses_.front(), cluster_, 0,
-                                               canopies_.back()->view().sequence);
-    if (view().packed()) {
-        frames_.begin(0.0, deployment_frames);
-    } else if (view().inflated()) {
-        begin_descent_frames();
-    } else {
-        begin_opening_frames();
-    }
+    if (stages_) cluster_.watch(stages_->watch());
 }
 
 void FullRun::fly() {
@@ -71,7 +45,7 @@ void FullRun::fly() {
         // Right after a check no frame of the fields waits for the next one.
         if (cluster_.step() % Simulation::steps_between_checks == 1) save_if_due();
         if (!std::exchange(evaluated_, false)) cluster_.evaluate_forces();
-        observe();
+        recorder_.observe();
         look_for_events();
         // An end between two checks must not hide what the next one would have found.
         if (ended_ && !is_numerical_failure(record_.status.code)) check_end();
@@ -82,14 +56,9 @@ void FullRun::fly() {
 }
 
 RunRecord FullRun::finish() {
-    // Results of the end are those of its own instant, not of the last row before.
-    if (!is_numerical_failure(record_.status.code) && cluster_.time() > observer().rows().back().time)
-        add_rows();
-    for_each_observer([](Observer& seen) { seen.finish(); });
+    recorder_.finish(!is_numerical_failure(record_.status.code));
+    record_.events = recorder_.take_events();
     note_squid();
-    fields_.accept();
-    frames_.accept();
-    if (run_.frames) run_.frames(frames_.finish());
     if (cluster_.size() > 0) {
         const Layout& layout = std::as_const(cluster_)[0].layout();
         record_.provenance.instruction_set = fmt::format("{}, {}", layout.instruction_set(), layout.name());
@@ -101,14 +70,11 @@ RunRecord FullRun::finish() {
         found().last_window = last;
         if (found().descent && last->is_steady()) found().descent = last;
     }
-    std::vector<RunView> each, parachutes;
-    for (std::size_t k = 0; k < canopies_.size(); ++k) {
-        each.push_back(canopies_[k]->view());
-        if (cluster_.number(k) == 0) parachutes.push_back(parachute_view(k));
-    }
+    const std::vector<RunView> each = recorder_.canopy_views();
     if (stages_) {
         for (const std::size_t k : cluster_.out())
             if (went_through_itself(each[k])) found().descent.reset();
+        const std::vector<RunView> parachutes = recorder_.parachute_views();
         fill_results_of_stages({scene_, cluster_, stages_->sequence, observer(), found(),
                                 stages_->openings(parachutes, observer())},
                                parachutes, each, record_);
@@ -116,170 +82,48 @@ RunRecord FullRun::finish() {
         if (went_through_itself(view())) found().descent.reset();
         fill_results(view(), each, record_);
     }
-    if (slings_) slings_->fill(record_);
+    recorder_.fill(record_);
     if (scene_.full.row_rate() > scene_.full.output_rate) thin_out(record_.channels, scene_.full.output_rate);
     note_attempts();
     return std::move(record_);
 }
 
-std::vector<const Mesh*> FullRun::meshes() const {
-    if (stages_) return stages_->meshes();
-    std::vector<const Mesh*> all;
-    for (std::size_t k = 0; k < cluster_.size(); ++k)
-        all.push_back(&cluster_[k].mesh());
-    return all;
-}
-
-std::vector<const State*> FullRun::synchronised_states() const {
-    if (stages_) return stages_->states(cluster_);
-    std::vector<const State*> all;
-    for (std::size_t k = 0; k < cluster_.size(); ++k)
-        all.push_back(&cluster_[k].synchronised_state());
-    return all;
-}
-
-FullRun::Together* FullRun::group_of(std::size_t k) const {
-    if (!stages_) return together_.get();
-    for (const auto& group : groups_)
-        if (k - group->view.first < group->view.count) return group.get();
-    return nullptr;
-}
-
-/// work(observer): of each canopy, of each parachute of several, of all.
-template <class Work>
-void FullRun::for_each_observer(Work&& work) {
-    for (const auto& canopy : canopies_)
-        work(canopy->observer());
-    for (const auto& group : groups_)
-        work(group->observer);
-    if (together_) work(together_->observer);
-}
-
 void FullRun::begin() {
     if (!run_.checkpoints.from.empty()) return go_on_from(run_.checkpoints.from);
     if (stages_) {
-        add_event("release");
+        recorder_.add_event("release");
         follow_sequence(false);
         begun_ = evaluated_ = true;
-        if (ended_) observe();  // a record has at least one row
+        if (ended_) recorder_.observe();  // a record has at least one row
         return;
     }
     settle(0);
-    add_event(view().packed() ? "release" : view().inflated() ? "full-open" : "line-stretch");
+    recorder_.add_event(view().packed() ? "release" : view().inflated() ? "full-open" : "line-stretch");
     if (!view().packed()) met(view().inflated() ? Trigger::Kind::full_open : Trigger::Kind::line_stretch);
 }
 
 /// Canopies of a parachute from its first on, where they come out open.
 void FullRun::settle(std::size_t first) {
-    if (canopies_[first]->view().inflated()) cluster_.settle(first, [this] { return clock_.may_stop(); });
-}
-
-void FullRun::observe() {
-    const double now = cluster_.time();
-    const bool row = observer().row_is_due(now);
-    for (const std::size_t k : cluster_.out())
-        canopies_[k]->observe(row);
-    for (const auto& group : groups_)
-        if (cluster_.is_out(group->view.first)) observe_together(group->observer, group->canopies, row);
-    if (together_) observe_together(together_->observer, cluster_.out(), row);
-    if (slings_ && !cluster_.out().empty()) {
-        Vec3 pull = Vec3::Zero();
-        for (const std::size_t k : cluster_.out())
-            pull += cluster_[k].system().riser_force;
-        slings_->observe(now, pull, *system().body);
-    }
-    if (fields_.frame_is_due(now)) fields_.observe(synchronised_states());
-    if (now >= descent_frames_from_) begin_descent_frames();
-    if (frames_.frame_is_due(now)) frames_.observe(synchronised_states());
-}
-
-void FullRun::observe_together(Observer& observer, std::span<const std::size_t> canopies, bool row) {
-    SystemState sum;
-    sum.time = cluster_.time();
-    Vec3 on_payload = Vec3::Zero();
-    if (canopies.empty()) {
-        const PayloadFlight alone = cluster_.payload();
-        on_payload = alone.mass * (alone.acceleration + scene_.environment.gravity * Vec3::UnitZ());
-    } else {
-        sum.line_dt = system().line_dt;
-        sum.in_subcycles.count = system().in_subcycles.count;
-    }
-    for (const std::size_t k : canopies) {
-        sum.riser_force += cluster_[k].system().riser_force;
-        sum.air.projected_area += cluster_[k].system().air.projected_area;
-        sum.in_subcycles.sum += cluster_[k].system().in_subcycles.sum;
-        on_payload += cluster_[k].payload_force();
-    }
-    observer.observe(sum, on_payload);
-    if (row) add_row_together(observer, canopies);
-}
-
-void FullRun::add_row_together(Observer& observer, std::span<const std::size_t> canopies) {
-    std::vector<HistoryRow> rows;
-    Vec3 pull = Vec3::Zero();
-    for (const std::size_t k : canopies) {
-        rows.push_back(canopies_[k]->observer().rows().back());
-        pull += canopies_[k]->system().riser_force;
-    }
-    HistoryRow row = rows.empty() ? row_alone() : row_of_all(rows);
-    row.force_raw = pull.norm();
-    observer.add_row(row);
-}
-
-HistoryRow FullRun::row_alone() const {
-    const PayloadFlight payload = cluster_.payload();
-    const FlightState flight = stages_->flight_state(payload);
-    HistoryRow row{};
-    row.time = payload.time;
-    row.position = payload.position;
-    row.velocity = payload.velocity;
-    row.dynamic_pressure = flight.dynamic_pressure();
-    row.airspeed = flight.airspeed;
-    row.density = flight.density;
-    row.turns = 1.0;
-    if (payload.body) row.tilt = tilt(body_axis(*payload.body));
-    return row;
-}
-
-void FullRun::add_rows() {
-    for (const std::size_t k : cluster_.out())
-        canopies_[k]->observer().observe_end(cluster_[k].synchronised_state());
-    for (const auto& group : groups_)
-        if (cluster_.is_out(group->view.first)) add_row_together(group->observer, group->canopies);
-    if (together_) add_row_together(together_->observer, cluster_.out());
-}
-
-void FullRun::add_event(std::string name) {
-    const PayloadFlight payload = cluster_.payload();
-    record_.events.push_back(
-        {std::move(name), cluster_.time(), payload.position.z(), payload.velocity.norm()});
+    if (recorder_[first].view().inflated()) cluster_.settle(first, [this] { return clock_.may_stop(); });
 }
 
 double FullRun::next_stop() const {
     double next = std::min(stop_time_, event_stop_);
     if (stages_) next = std::min(next, stages_->sequence.next_time());
     for (const std::size_t k : cluster_.out())
-        next = std::min(next, canopies_[k]->next_stop());
+        next = std::min(next, recorder_[k].next_stop());
     return next;
 }
 
 void FullRun::fail(const RunStatus& fault) {
-    for_each_observer([](Observer& seen) { seen.forget(); });
-    if (slings_) slings_->forget();
-    record_.events.resize(sound_events_);
-    fields_.forget();
-    frames_.forget();
+    recorder_.forget();
     end(fault.code, fault.detail);
 }
 
 void FullRun::check() {
     if (const auto fault = cluster_.fault()) return fail(*fault);
-    for_each_observer([](Observer& seen) { seen.accept(); });
-    if (slings_) slings_->accept();
-    sound_events_ = record_.events.size();
-    fields_.accept();
-    frames_.accept();
-    tell_watchers();
+    recorder_.accept();
+    recorder_.tell_watchers();
     if (clock_.may_stop()) return end(StatusCode::interrupted, "stopped on request");
     // Checks follow the step whose number they divide.
     if (run_.progress && cluster_.step() % steps_between_reports == 1) report_progress();
@@ -290,19 +134,6 @@ void FullRun::check_end() {
         found().landing_time.reset();
         fail(*fault);
     }
-}
-
-void FullRun::tell_watchers() {
-    if (run_.rows) {
-        const std::span<const HistoryRow> rows = observer().final_rows();
-        for (; told_rows_ < rows.size(); ++told_rows_)
-            run_.rows({rows[told_rows_].time, rows[told_rows_].force, rows[told_rows_].velocity.norm()});
-    }
-    if (!run_.frames_so_far) return;
-    const ShapeFrames& shape = frames_.so_far();
-    if (shape.empty() || shape.frames.back().time <= told_frame_) return;
-    told_frame_ = shape.frames.back().time;
-    run_.frames_so_far(shape);
 }
 
 void FullRun::save_if_due() {
@@ -318,19 +149,6 @@ void FullRun::go_on_from(const std::string& saved) {
     archive.end();
     record_.cost.resumed_at.push_back(cluster_.time());
     if (run_.progress) report_progress();
-}
-
-void FullRun::begin_opening_frames() {
-    const RunView& newest = parachute_view(canopies_.size() - 1);
-    const Simulation& simulation = newest.simulation();
-    const Inflation& inflation = simulation.inflation();
-    const double filling = simulation.predicts_filling()
-                               ? expected_fill_constant * newest.parachute().nominal_diameter /
-                                     std::max(1.0, canopies_.back()->flight_state().airspeed)
-                               : inflation.end_of(Phase::filling) - inflation.snatch;
-    const double lasts = opening_and_breathing * filling;
-    frames_.begin(cluster_.time(), {lasts / opening_frames, opening_frames});
-    descent_frames_from_ = cluster_.time() + lasts;
 }
 
 std::string_view FullRun::stage_name() const {
@@ -352,7 +170,7 @@ std::string_view FullRun::stage_name() const {
 
 bool FullRun::all_open() const {
     return !cluster_.out().empty() && std::ranges::all_of(cluster_.out(), [&](std::size_t k) {
-        return canopies_[k]->system().phase == Phase::open;
+        return recorder_[k].system().phase == Phase::open;
     });
 }
 
@@ -360,7 +178,7 @@ double FullRun::drag_area_steady() const {
     if (!stages_) return view().drag_area_steady();
     double steady = stages_->sequence.is_settled() ? 0.0 : infinity;
     for (const std::size_t k : cluster_.out())
-        steady = std::max(steady, canopies_[k]->view().drag_area_steady());
+        steady = std::max(steady, recorder_[k].view().drag_area_steady());
     return steady;
 }
 
@@ -375,17 +193,17 @@ double FullRun::expected_share() const {
     }
     if (stages_ || any_deploys()) return 0.0;
     const Inflation& inflation = view().simulation().inflation();
-    return std::min(0.99, system().time / (inflation.snatch + 4.0 * inflation.filling_time + 2.0));
+    return std::min(0.99, cluster_.time() / (inflation.snatch + 4.0 * inflation.filling_time + 2.0));
 }
 
 void FullRun::look_for_events() {
     const bool waits = stages_ ? stages_->sequence.waits_for_steady_descent() && all_open()
-                               : std::ranges::any_of(canopies_, [](const auto& canopy) {
-                                     return canopy->waits_for_steady_descent();
+                               : std::ranges::any_of(cluster_.out(), [&](std::size_t k) {
+                                     return recorder_[k].waits_for_steady_descent();
                                  });
     const bool steady = waits && falls_steadily();
     for (const std::size_t k : cluster_.out()) {
-        CanopyRun& canopy = *canopies_[k];
+        CanopyRun& canopy = recorder_[k];
         for (const char* name : canopy.look(steady))
             happened(k, name);
         if (canopy.ending() && !ended_) end(canopy.ending()->code, canopy.ending()->detail);
@@ -401,13 +219,13 @@ void FullRun::follow_sequence(bool falls_steadily) {
     OpeningSequence& sequence = stages_->sequence;
     const FlightState now = stages_->flight_state(cluster_.payload());
     if (falls_steadily) {
-        add_event("steady-descent");
+        recorder_.add_event("steady-descent");
         sequence.descends_steadily(now);
     }
     const std::vector<OpeningEvent> events = sequence.advance(now);
     for (const std::size_t k : cluster_.out())
-        while (canopies_[k]->found().stages.size() <= canopies_[k]->stage())
-            canopies_[k]->disreef();
+        while (recorder_[k].found().stages.size() <= recorder_[k].stage())
+            recorder_[k].disreef();
     for (const OpeningEvent& what : events) {
         const auto own = canopy_of(what.index);
         if (what.kind == OpeningEvent::Kind::snatch && !own) leave_pack(what.index);
@@ -425,26 +243,6 @@ std::optional<std::size_t> FullRun::canopy_of(std::size_t parachute) const {
     return {};
 }
 
-void FullRun::add_canopy(std::size_t k) {
-    const std::size_t parachute = cluster_.parachute(k);
-    canopies_.push_back(std::make_unique<CanopyRun>(cluster_.scene(k), stated_masses_[parachute], cluster_, k,
-                                                    &stages_->sequence,
-                                                    stages_->first_canopy(parachute) + cluster_.number(k)));
-    past_.emplace_back();
-    const Scene& all = cluster_.scene_of_all(k);
-    if (cluster_.number(k) == 0 && all.parachutes.front().count > 1)
-        groups_.push_back(std::make_unique<Together>(
-            all, stated_masses_[parachute], cluster_, k,
-            all.parachutes.front().reefing.empty() ? nullptr : &stages_->sequence));
-}
-
-void FullRun::weigh_payload() {
-    double mass = cluster_.out().empty() ? cluster_.payload().mass : 0.0;
-    for (const std::size_t k : cluster_.out())
-        mass += cluster_[k].payload_node_mass();
-    observer().weigh_payload(mass);
-}
-
 void FullRun::leave_pack(std::size_t parachute) {
     std::size_t joined = 0;
     try {
@@ -453,21 +251,20 @@ void FullRun::leave_pack(std::size_t parachute) {
         return end(StatusCode::refused,
                    fmt::format("{}: {}", scene_.parachutes[parachute].name, error.what()));
     }
-    for (std::size_t k = joined; k < cluster_.size(); ++k)
-        add_canopy(k);
+    recorder_.add_canopies();
     settle(joined);
-    weigh_payload();
+    recorder_.weigh_payload();
     fall_.restart();
-    if (begun_) observe_parachute(joined);  // nobody else does at this instant
-    const RunView& joins = parachute_view(joined);
+    if (begun_) recorder_.observe_parachute(joined);  // nobody else does at this instant
+    const RunView& joins = recorder_.parachute(joined);
     if (joins.packed()) {
-        add_event(parachute, "release");
+        recorder_.add_event(parachute, "release");
         stages_->leaves_pack(cluster_.time(), observer());
-        return frames_.begin(cluster_.time(), deployment_frames);
+        return recorder_.begin_deployment_frames();
     }
     if (!joins.inflated()) {
-        add_event(parachute, "line-stretch");
-        for (const std::size_t k : canopies_with(joined)) {
+        recorder_.add_event(parachute, "line-stretch");
+        for (const std::size_t k : recorder_.canopies_with(joined)) {
             cluster_[k].open_as(
                 stages_->sequence.all()[stages_->first_canopy(parachute) + cluster_.number(k)].inflation);
             if (const auto refused = cluster_[k].refused_opening(
@@ -475,105 +272,49 @@ void FullRun::leave_pack(std::size_t parachute) {
                 return end(refused->code, refused->detail);
         }
     } else {
-        add_event(parachute, "full-open");
+        recorder_.add_event(parachute, "full-open");
     }
     opens(joined);
 }
 
-/// A look at canopy k and all others of its parachute, with a row of each and of all.
-void FullRun::observe_parachute(std::size_t k) {
-    for (const std::size_t own : canopies_with(k))
-        canopies_[own]->observe(true);
-    if (Together* group = group_of(k)) observe_together(group->observer, group->canopies, true);
-}
-
 void FullRun::opens(std::size_t k) {
-    stages_->opens(cluster_.parachute(k), parachute_view(k), shortest_initial_phase(k), cluster_.time(),
+    stages_->opens(cluster_.parachute(k), recorder_.parachute(k), recorder_.initial_phase(k), cluster_.time(),
                    observer());
-    if (parachute_view(k).inflated())
-        begin_descent_frames();
+    if (recorder_.parachute(k).inflated())
+        recorder_.begin_descent_frames();
     else
-        begin_opening_frames();
+        recorder_.begin_opening_frames();
     if (!stages_->sequence.any_waits_to_leave()) met(Trigger::Kind::line_stretch);
 }
 
 void FullRun::disreef(std::size_t k) {
     const std::size_t parachute = cluster_.parachute(k);
-    add_event(parachute, "disreef");
+    recorder_.add_event(parachute, "disreef");
     stages_->disreefs(parachute, cluster_.time(), observer());
-    if (Together* group = group_of(k)) group->disreefed(cluster_.time());
+    recorder_.disreefed(k);
     fall_.restart();
-    begin_opening_frames();
 }
 
 void FullRun::cut(std::size_t first) {
     // Nothing looks at it any more after this.
-    for (const std::size_t k : canopies_with(first))
+    for (const std::size_t k : recorder_.canopies_with(first))
         if (const auto fault = cluster_[k].find_fault()) return fail(*fault);
-    if (canopies_[first]->observer().rows().empty())  // out and cut at one instant
-        observe_parachute(first);
-    for (const std::size_t k : canopies_with(first))
-        canopies_[k]->observer().observe_end(cluster_[k].synchronised_state());
-    if (Together* group = group_of(first); group && group->observer.rows().back().time < cluster_.time())
-        add_row_together(group->observer, group->canopies);
-    add_event(cluster_.parachute(first), "cut");
+    recorder_.observe_cut(first);
+    recorder_.add_event(cluster_.parachute(first), "cut");
     cluster_.leave(first);
-    weigh_payload();
+    recorder_.weigh_payload();
     fall_.restart();
 }
 
-/// Notes what happened to canopy k; whether it is an event of its parachute.
-bool FullRun::is_of_parachute(std::size_t k, std::string_view name) {
-    if (!group_of(k)) return true;
-    past_[k].emplace_back(name);
-    const auto times = std::ranges::count(past_[k], name);
-    if (name == "end-of-initial-phase")  // their drag area rises with that of the first
-        return std::ranges::none_of(canopies_with(k), [&](std::size_t other) {
-            return other != k && std::ranges::count(past_[other], name) >= times;
-        });
-    const bool of_reefed = name == "disreef" || name == "reefed-open" || name == "steady-descent";
-    return std::ranges::all_of(canopies_with(k), [&](std::size_t other) {
-        return (of_reefed && !canopies_[other]->view().sequence) ||
-               std::ranges::count(past_[other], name) >= times;
-    });
-}
-
 void FullRun::happened(std::size_t k, const char* name) {
+    if (!recorder_.happened(k, name)) return;
     const std::string_view what = name;
-    Together* group = group_of(k);
-    if (group && what == "switch") group->found.switched_late |= canopies_[k]->found().switched_late;
-    if (!is_of_parachute(k, what)) return;
-    add_event(cluster_.parachute(k), name);
-    if (what == "snatch") snatched(k);
-    if (what == "disreef") {
-        begin_opening_frames();
-        if (group) group->disreefed(cluster_.time());
+    if (what == "snatch") {
+        if (stages_) return opens(k);
+        recorder_.begin_opening_frames();
+        met(Trigger::Kind::line_stretch);
     }
-    if ((what == "full-open" || what == "reefed-open") && group && !group->found.stages.back().full)
-        group->found.stages.back().full = cluster_.time();
     if (what == "full-open" && !stages_) met(Trigger::Kind::full_open);  // with stages their sequence knows
-}
-
-/// Canopy k, and all others of its parachute.
-void FullRun::snatched(std::size_t k) {
-    if (Together* group = group_of(k)) {
-        // All are out with the last of them.
-        const std::size_t last = std::ranges::max(
-            canopies_with(k), {}, [&](std::size_t own) { return canopies_[own]->found().snatch; });
-        group->found = canopies_[last]->found();
-        group->observer.count_peak_from(cluster_.time() + shortest_initial_phase(k));
-    }
-    if (stages_) return opens(k);
-    begin_opening_frames();
-    met(Trigger::Kind::line_stretch);
-}
-
-/// [s] of all canopies of the parachute that canopy k is one of.
-double FullRun::shortest_initial_phase(std::size_t k) const {
-    double soonest = infinity;
-    for (const std::size_t own : canopies_with(k))
-        soonest = std::min(soonest, cluster_[own].inflation().initial_time);
-    return soonest;
 }
 
 void FullRun::look_for_descent() {
@@ -582,7 +323,7 @@ void FullRun::look_for_descent() {
     // Not before there is a shape to report.
     if (all_open() && !found().descent_altitude && now >= drag_area_steady() + shape_average &&
         falls_steadily()) {
-        add_event("steady-descent");
+        recorder_.add_event("steady-descent");
         found().descent = found().last_window;
         found().descent_altitude = cluster_.payload().position.z();
         if (scene_.stop.kind == Trigger::Kind::steady_descent ||
@@ -607,7 +348,7 @@ bool FullRun::is_past_peak() {
         const double air = canopy.constants().canopy_mass + canopy.system().added_mass;
         const double mass = reduced_mass(scene_.payload.mass, air);
         bounce =
-            std::max(bounce, 2.0 * pi * std::sqrt(mass / line_stiffness(canopies_[k]->view().parachute())));
+            std::max(bounce, 2.0 * pi * std::sqrt(mass / line_stiffness(recorder_[k].view().parachute())));
     }
     return now - below_peak_since_ >= bounce;
 }
@@ -615,10 +356,10 @@ bool FullRun::is_past_peak() {
 void FullRun::look_for_recontact() {
     constexpr double near = 0.1;  // of D0, from the middle of the fabric
     for (const std::size_t k : cluster_.out()) {
-        if (canopies_[k]->deploys()) continue;
+        if (recorder_[k].deploys()) continue;
         const Vec3 apart = cluster_[k].system().sums.canopy_position - to_vec3(cluster_[k].payload().x);
-        if (apart.norm() >= near * canopies_[k]->view().parachute().nominal_diameter) continue;
-        std::optional<double>& met = canopies_[k]->found().met_payload;
+        if (apart.norm() >= near * recorder_[k].view().parachute().nominal_diameter) continue;
+        std::optional<double>& met = recorder_[k].found().met_payload;
         if (!met) met = cluster_.time();
         if (scene_.full.contact != Contact::gores) continue;  // others go on, with a warning
         return end(StatusCode::stopped_by_event,
@@ -632,7 +373,7 @@ void FullRun::note_squid() {
         code != StatusCode::time_limit)
         return;
     for (const std::size_t k : cluster_.out())
-        if (const auto why = canopies_[k]->squids())
+        if (const auto why = recorder_[k].squids())
             return end(StatusCode::squids,
                        fmt::format("{}: {}{}{}", record_.status.detail, cluster_.name_of(k),
                                    cluster_.name_of(k).empty() ? "" : ": ", *why));
@@ -694,7 +435,7 @@ FallSample FullRun::fall_now() const {
 
 void FullRun::look_for_ground() {
     if (cluster_.payload().position.z() > scene_.environment.ground) return;
-    add_event("ground");
+    recorder_.add_event("ground");
     found().landing_time = cluster_.time();
     if (any_deploys()) return end(StatusCode::stopped_by_event, "ground reached before the lines came taut");
     return scene_.stop.kind == Trigger::Kind::ground
@@ -734,11 +475,6 @@ void FullRun::fill_cost() {
     cost.blocks = cluster_.block_costs();
 }
 
-void FullRun::begin_descent_frames() {
-    frames_.begin(cluster_.time(), descent_frames);
-    descent_frames_from_ = infinity;
-}
-
 void FullRun::look_at_fall() {
     if (!all_open()) return fall_.restart();
     if (cluster_.step() % steps_between_falls == 0) fall_.add(fall_now());
@@ -748,40 +484,10 @@ void FullRun::serialize(Archive& archive) {
     before_.serialize(archive);
     cluster_.serialize(archive);
     if (stages_) stages_->serialize(archive);
-    while (canopies_.size() < cluster_.size())
-        add_canopy(canopies_.size());
-    for (const auto& canopy : canopies_)
-        canopy->serialize(archive);
-    for (const auto& group : groups_) {
-        group->observer.serialize(archive);
-        group->found.serialize(archive);
-    }
-    if (together_) {
-        together_->observer.serialize(archive);
-        together_->found.serialize(archive);
-        if (stages_) {
-            weigh_payload();
-            begun_ = true;
-        }
-    }
-    for (std::vector<std::string>& of_one : past_) {
-        archive.length("past events", of_one, 1'000'000);
-        for (std::string& name : of_one)
-            archive.text("past event", name);
-    }
-    if (slings_) slings_->serialize(archive);
+    recorder_.serialize(archive);
+    begun_ = true;
     fall_.serialize(archive);
-    fields_.serialize(archive);
-    frames_.serialize(archive);
-    archive.length("events", record_.events, 1'000'000);
-    for (Event& event : record_.events) {
-        auto& [name, time, altitude, speed] = event;
-        archive.text("event", name);
-        for (double* x : {&time, &altitude, &speed})
-            archive.number("event", *x);
-    }
-    archive.whole("sound events", sound_events_, 0, record_.events.size());
-    for (double* x : {&descent_frames_from_, &event_stop_, &below_peak_since_})
+    for (double* x : {&event_stop_, &below_peak_since_})
         archive.number("run", *x);
     clock_.serialize(archive);
     archive.numbers("resumed at", record_.cost.resumed_at);

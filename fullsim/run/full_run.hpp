@@ -11,12 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "fullsim/run/canopy_run.hpp"
 #include "fullsim/run/checkpoint_clock.hpp"
-#include "fullsim/run/fields.hpp"
-#include "fullsim/run/frames.hpp"
-#include "fullsim/run/sling_loads.hpp"
-#include "fullsim/run/stages.hpp"
+#include "fullsim/run/recorder.hpp"
 #include "lib/solve/fidelity.hpp"
 #include "lib/solve/steady_descent.hpp"
 
@@ -57,93 +53,16 @@ public:
     RunRecord finish();
 
 private:
-    /// The canopies of a cluster as one: all of a run, or all of a parachute.
-    struct Together {
-        Observer observer;
-        Findings found;
-        RunView view;
-        std::vector<std::size_t> canopies;
-
-        /// So many canopies from `first` on. sequence: of the last of them, which is reefed if any is.
-        Together(const Scene& scene, double stated_mass, const Cluster& cluster, std::size_t first,
-                 const OpeningSequence* sequence)
-            : observer(cluster[first].mesh(), scene.environment.gravity, scene.full.row_rate(), 1,
-                       scene.parachutes.front().count),
-              view{scene,
-                   stated_mass,
-                   cluster,
-                   first,
-                   static_cast<std::size_t>(scene.parachutes.front().count),
-                   observer,
-                   found,
-                   sequence},
-              canopies(view.count) {
-            std::iota(canopies.begin(), canopies.end(), first);
-            found.snatch = scene.release.time;
-            observer.count_peak_from(scene.release.time);
-            if (!view.packed()) return;
-            found.snatch = infinity;
-            observer.count_peak_from(infinity);
-        }
-        /// A scene with stages has nothing out at first. mesh: of its first parachute.
-        Together(const Scene& scene, const Mesh& mesh, const Cluster& cluster)
-            : observer(mesh, scene.environment.gravity, scene.full.row_rate()),
-              view(RunView{scene, 0.0, cluster, 0, 0, observer, found, nullptr}) {
-            observer.weigh_payload(cluster.payload().mass);
-        }
-        void disreefed(double time) {
-            found.stages.push_back({time});
-            observer.begin_stage(time);
-        }
-        Together(const Together&) = delete;
-        Together& operator=(const Together&) = delete;
-    };
-
-    const SystemState& system() const { return cluster_.front().system(); }
-    CanopyRun& only() { return *canopies_.front(); }
-    const CanopyRun& only() const { return *canopies_.front(); }
-    const RunView& view() const { return together_ ? together_->view : only().view(); }
-    Findings& found() { return together_ ? together_->found : only().found(); }
-    Observer& observer() { return together_ ? together_->observer : only().observer(); }
-    std::vector<const Mesh*> meshes() const;
-    std::vector<const State*> synchronised_states() const;
-    /// Canopy k with all others of its parachute: null where it is the only one of it.
-    Together* group_of(std::size_t k) const;
-    /// The parachute that canopy k is, or is one of.
-    const RunView& parachute_view(std::size_t k) const {
-        const Together* group = group_of(k);
-        return group ? group->view : canopies_[k]->view();
-    }
-    /// Numbers of all canopies of the parachute that canopy k is one of.
-    std::vector<std::size_t> canopies_with(std::size_t k) const {
-        const Together* group = group_of(k);
-        return group ? group->canopies : std::vector{k};
-    }
-    template <class Work>
-    void for_each_observer(Work&& work);
+    const RunView& view() const { return recorder_.view(); }
+    Findings& found() { return recorder_.found(); }
+    Observer& observer() { return recorder_.observer(); }
 
     void begin();
     void settle(std::size_t first);
 
-    void observe();
-    /// The forces of these canopies, as one, on the payload, where there are any.
-    void observe_together(Observer& observer, std::span<const std::size_t> canopies, bool row);
-    /// A row of these canopies as one; of none, of the payload alone.
-    void add_row_together(Observer& observer, std::span<const std::size_t> canopies);
-    /// Row of the payload without a canopy.
-    HistoryRow row_alone() const;
-    void add_rows();
-
     void end(StatusCode code, std::string detail) {
         record_.status = {code, std::move(detail)};
         ended_ = true;
-    }
-
-    void add_event(std::string name);
-    /// Adds an event of a parachute, with its name where there are several.
-    void add_event(std::size_t parachute, const char* name) {
-        if (scene_.parachutes.size() == 1) return add_event(name);
-        add_event(fmt::format("{}.{}", scene_.parachutes[parachute].name, name));
     }
 
     /// Next time [s] that no step may cross.
@@ -155,9 +74,6 @@ private:
     void check();
 
     void check_end();
-
-    /// Rows and shapes that have come since it was called last.
-    void tell_watchers();
 
     void report_progress() { run_.progress({stage_name(), cluster_.time(), expected_share(), resumed_at()}); }
     std::optional<double> resumed_at() const {
@@ -172,11 +88,9 @@ private:
     /// Saves or restores the run, without the parts that the constructor makes anew.
     void serialize(Archive& archive);
 
-    void begin_opening_frames();
-    void begin_descent_frames();
     std::string_view stage_name() const;
     bool any_deploys() const {
-        return std::ranges::any_of(cluster_.out(), [&](std::size_t k) { return canopies_[k]->deploys(); });
+        return std::ranges::any_of(cluster_.out(), [&](std::size_t k) { return recorder_[k].deploys(); });
     }
     /// Something is out, and all of it is open.
     bool all_open() const;
@@ -193,22 +107,14 @@ private:
     void follow_sequence(bool falls_steadily);
     /// The first of its canopies.
     std::optional<std::size_t> canopy_of(std::size_t parachute) const;
-    void add_canopy(std::size_t k);
-    void observe_parachute(std::size_t k);
-    /// Tells the observer of all what the payload weighs now.
-    void weigh_payload();
     void leave_pack(std::size_t parachute);
     void opens(std::size_t k);
     /// The parachute that canopy k is one of is disreefed.
     void disreef(std::size_t k);
     void cut(std::size_t first);
 
-    /// An event of canopy k is one of its parachute, and of a run without stages, once all of the parachute
-    /// have come to it; the end of the initial phase with the first of them.
+    /// Follows an event of canopy k.
     void happened(std::size_t k, const char* name);
-    bool is_of_parachute(std::size_t k, std::string_view name);
-    void snatched(std::size_t k);
-    double shortest_initial_phase(std::size_t k) const;
 
     void look_for_descent();
     /// Whether the force has stayed well below its peak for as long as payload and canopy take to bounce
@@ -247,27 +153,15 @@ private:
     Run& run_;
     RunRecord record_;
     Cluster cluster_;
-    std::vector<double> stated_masses_;
     std::unique_ptr<Stages> stages_;  // of a scene that has some
-    std::vector<std::unique_ptr<CanopyRun>> canopies_;
-    std::unique_ptr<Together> together_;             // of several
-    std::vector<std::unique_ptr<Together>> groups_;  // with stages: of each parachute of several canopies
-    std::vector<std::vector<std::string>> past_ =
-        std::vector<std::vector<std::string>>(cluster_.size());  // events of each canopy
-    std::optional<SlingLoads> slings_;
+    Recorder recorder_;
     SteadyDescent fall_;
-    FieldRecorder fields_;
-    FrameRecorder frames_;
-    double descent_frames_from_ = infinity;  // [s]
     double stop_time_;
     double event_stop_ = longest_flight;
     double below_peak_since_ = infinity;  // [s]
     bool ended_ = false;
-    bool begun_ = false;            // with stages: the release is past
-    bool evaluated_ = false;        // as parachutes came out
-    std::size_t told_rows_ = 0;     // to who watches
-    double told_frame_ = -1.0;      // [s] the last shape
-    std::size_t sound_events_ = 0;  // events up to the last check that found nothing wrong
+    bool begun_ = false;      // with stages: the release is past
+    bool evaluated_ = false;  // as parachutes came out
     const bool accretes_ = scene_.aerodynamics.added_mass &&
                            scene_.aerodynamics.added_mass->momentum == AddedMassMomentum::accreting;
     CheckpointClock clock_;
