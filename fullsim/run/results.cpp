@@ -299,7 +299,7 @@ NeverOpened turned_through(const RunView& run) {
 }
 
 NeverOpened fallen_into() {
-    return {0, 1, "the payload fell into it, which contact between gores does not know",
+    return {0, 1, "the payload fell into it, which contact between gores cannot model",
             "release it on a flatter path, or deploy it later", true};
 }
 

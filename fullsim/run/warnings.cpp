@@ -16,6 +16,7 @@ namespace {
 /// Share of the steady projected area that has to come soon before filled_share, or the filling time is
 /// sensitive to how the last of the area settles.
 constexpr double nearly_filled = 0.95;
+constexpr double far_diameter = 0.15;     // of D_p/D0, between what the scene says and the mesh settles at
 constexpr double sound_area = 0.9;        // signed over positive area below which gores lie inside out
 constexpr double early_peak = 0.25;       // drag area over the steady one below which a peak is the snatch's
 constexpr double sound_drag_area = 0.98;  // over (C_D S)_0, of an open canopy whose filling is predicted
@@ -115,6 +116,14 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
     if (chute.mesh)
         std::ranges::copy(size_warnings(import_mesh(run.scene), run.scene),
                           std::back_inserter(record.warnings));
+    if (const auto ratio = record.metric("projected_diameter_ratio");
+        ratio && !has_open_middle(chute) &&
+        std::abs(*ratio - chute.projected_diameter_ratio) > far_diameter * chute.projected_diameter_ratio)
+        warn(
+            fmt::format("the canopy settles at {:.3g} of D0, parachute.projected_diameter_ratio says {:.3g}",
+                        *ratio, chute.projected_diameter_ratio),
+            "reefing lines, the mouth at line stretch and the added mass of the reduced-order model go by it",
+            "correct it, or look at the shape");
     if (const auto sound = record.metric("signed_area_ratio"); sound && *sound < sound_area)
         warn(fmt::format("signed over positive canopy area is {:.2f}", *sound),
              run.scene.full.contact == Contact::none

@@ -203,12 +203,17 @@ void find_quantiles(const CampaignSpec& spec, const RunStore& store, const Colum
     };
     pass([](RankFinder& finder, double value) { finder.count(value); });
     std::vector<QuantileRanks> ranks;
+    const auto rank_of_worst = [&](const Answer& answer, const RankFinder& finder) {
+        const auto high = quantile_ranks(answer.spec->level, results.independent).high;
+        return high && *high < finder.total() ? high : std::nullopt;
+    };
     for (Answer& answer : results.answers) {
         RankFinder* finder = answer.spec->kind == AnswerSpec::Kind::quantile ? finder_of(answer) : nullptr;
         ranks.push_back(finder ? quantile_ranks(answer.spec->level, finder->total()) : QuantileRanks{});
         if (!finder || finder->total() == 0) continue;
         answer.count = finder->total();
-        for (const auto rank : {std::optional(ranks.back().estimate), ranks.back().low, ranks.back().high})
+        for (const auto rank : {std::optional(ranks.back().estimate), ranks.back().low, ranks.back().high,
+                                rank_of_worst(answer, *finder)})
             if (rank) finder->want(*rank);
     }
     pass([](RankFinder& finder, double value) { finder.collect(value); });
@@ -219,6 +224,8 @@ void find_quantiles(const CampaignSpec& spec, const RunStore& store, const Colum
         answer.value.estimate = finder->at(ranks[i].estimate);
         if (ranks[i].low) answer.value.low = finder->at(*ranks[i].low);
         if (ranks[i].high) answer.value.high = finder->at(*ranks[i].high);
+        const auto worst = rank_of_worst(answer, *finder);
+        answer.worst = worst ? finder->at(*worst) : infinity;
     }
     for (std::size_t i = 0; i < finders.size(); ++i)
         results.histograms[i].counts = finders[i].coarse(histogram_parts);
@@ -288,16 +295,17 @@ void take_simulation(Answer& answer, RareEvent event) {
 }
 
 /// Counts runs without the metric against a limit: a run without a descent rate may be the one that fell
-/// fastest. A probability is met only if it would be with all of them counted as hits.
+/// fastest. A probability or a quantile is met only if it would be with all of them as the worst.
 void doubt_missing(Answer& answer, std::uint64_t runs) {
     if (answer.count >= runs || answer.count == 0) return;
     const std::uint64_t missing = runs - answer.count;
-    answer.note =
-        fmt::format("{} of {} runs have no {} and do not count", missing, runs, answer.spec->metric);
-    if (answer.verdict != Verdict::met || answer.spec->kind != AnswerSpec::Kind::probability) return;
-    if (share_interval(answer.hits + missing, runs).high <= *answer.spec->limit) return;
+    answer.note = fmt::format("{} of {} runs have no {} and do not count", missing, runs,
+                              metric_words(answer.spec->metric));
+    if (answer.spec->kind == AnswerSpec::Kind::probability)
+        answer.worst = share_interval(answer.hits + missing, runs).high;
+    if (answer.verdict != Verdict::met || !answer.worst || *answer.worst <= *answer.spec->limit) return;
     answer.verdict = Verdict::undecided;
-    answer.note += "; with all of them as hits the limit is not met";
+    answer.note += "; if they were the worst of all, the limit would not be met";
 }
 
 CampaignResults evaluate(const CampaignSpec& spec, const RunStore& store, const Columns& columns,

@@ -44,6 +44,8 @@ struct Answer {
     std::uint64_t count = 0;  ///< runs that have the metric
     std::uint64_t hits = 0;   ///< of a probability
     Interval value = {};      ///< of an ellipse its major half axis
+    /// Upper end of `value`, were the runs without the metric the worst of all. A mean has none.
+    std::optional<double> worst = {};
     std::optional<Ellipse> ellipse = {};
     std::vector<TrailPoint> trail = {};  ///< of probabilities and means
     Verdict verdict = Verdict::open;

@@ -356,7 +356,9 @@ TEST_F(SystemCampaign, RunsWithoutTheMetricCastDoubtOnALimit) {
         "base = \"rocket-dual-deploy.toml\"\n[campaign]\nruns = 200\n[[vary]]\nkey = "
         "\"parachute.main.deploy.when.height\"\ndist = { uniform = { low = \"1 ft\", high = \"300 ft\" } }\n"
         "[[answer]]\nname = \"fast\"\nprobability = \"descent_rate > 8 m/s\"\nlimit = \"5 %\"\n"
-        "[[answer]]\nname = \"fails\"\nprobability = \"unopened_parachutes > 0\"\nlimit = \"90 %\"\n");
+        "[[answer]]\nname = \"fails\"\nprobability = \"unopened_parachutes > 0\"\nlimit = \"90 %\"\n"
+        "[[answer]]\nname = \"most\"\nquantile = \"descent_rate\"\nlevel = \"90 %\"\nlimit = \"8 m/s\"\n"
+        "[[answer]]\nname = \"few\"\nquantile = \"descent_rate\"\nlevel = \"20 %\"\nlimit = \"8 m/s\"\n");
     const Ended ended = campaign({"--out", "out", "--quiet"});
     EXPECT_EQ(ended.code, 1) << ended.err;
     const json found = read("out/campaign.json"), &fast = found["answers"][0], &fails = found["answers"][1];
@@ -369,6 +371,11 @@ TEST_F(SystemCampaign, RunsWithoutTheMetricCastDoubtOnALimit) {
     EXPECT_GT(not_opened, 0);
     EXPECT_DOUBLE_EQ(fails["estimate"].get<double>(), not_opened / 200.0);
     EXPECT_EQ(fails["verdict"], "met");
+    // Some 40 % are missing: were they the fastest, they would be among the upper 10 %, not the lower 20 %.
+    const json &most = found["answers"][2], &few = found["answers"][3];
+    EXPECT_LT(most["interval_95"][1], 8.0);
+    EXPECT_EQ(most["verdict"], "undecided");
+    EXPECT_EQ(few["verdict"], "met");
 }
 
 TEST_F(SystemCampaign, WhatASceneRefusesIsRefusedInEachRun) {

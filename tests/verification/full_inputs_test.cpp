@@ -49,6 +49,21 @@ TEST(FullInputs, TheMassOfTheReducedOrderModelIsNotTheMeshs) {
     EXPECT_EQ(force(test::run_full(light)), force(test::run_full(heavy)));
 }
 
+TEST(FullInputs, ADiameterFarFromTheMeshsIsSaid) {
+    // The C-9 settles at 0.65 of D0 (docs/generated/canopies.md), a coarse one at 0.6: 0.15 either way is
+    // far.
+    Scene scene = coarse_scene();
+    scene.stop = {Trigger::Kind::time, 4.5, 0.0};
+    const std::string says = "parachute.projected_diameter_ratio says";
+    const RunRecord told = test::run_full(scene);
+    ASSERT_TRUE(told.metric("projected_diameter_ratio"));
+    EXPECT_FALSE(warns(told, says));
+    scene.parachutes.front().projected_diameter_ratio = 0.5;
+    EXPECT_TRUE(warns(test::run_full(scene), says + " 0.5"));
+    scene.parachutes.front().projected_diameter_ratio = 0.8;
+    EXPECT_TRUE(warns(test::run_full(scene), says + " 0.8"));
+}
+
 TEST(FullInputs, TheLinesAreStretchedByTheMassOfTheMesh) {
     // m_l D/(m_l + m_p) without added mass, D = q (C_D S)_i at release. The raw force of the first row is of
     // lines that carry just that; the canopy's fabric takes its share of the drag along: 2 %.
