@@ -1,10 +1,13 @@
 #include "compare/baseline.hpp"
 
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 
 #include "compare/records.hpp"
 #include "compare/report/trend_text.hpp"
 #include "compare/tolerances.hpp"
+#include "lib/cli/output_dir.hpp"
 #include "lib/cli/scene_command.hpp"
 #include "lib/record/record_json.hpp"
 #include "lib/scene/read_scene.hpp"
@@ -27,6 +30,17 @@ Baseline::Baseline(const Arguments& arguments, const std::vector<Scene>& scenes,
                 "name the directory of an earlier comparison with --baseline DIR");
         return;
     }
+    const auto real = [](const std::filesystem::path& place) {
+        std::error_code ignored;
+        return std::filesystem::weakly_canonical(place / "", ignored);
+    };
+    const std::filesystem::path out =
+        real(arguments.value("out").value_or(default_output_dir(arguments.operand).string()));
+    if (!arguments.has("check") && real(*directory_) == out)
+        throw UsageError(fmt::format(
+            "--baseline '{}' is where the results go (they would be the baseline of the next run), "
+            "keep it elsewhere, or write the results to another directory with --out",
+            *directory_));
     tolerances_ = read_tolerances(tolerance_overrides(arguments, "baseline-tolerance"));
     for (const Scene& scene : scenes) {
         const std::filesystem::path place = directory_of(scene, *directory_);

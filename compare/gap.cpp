@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -13,7 +14,22 @@ namespace {
 // fail by the last bit.
 constexpr double round_off = 1e-12;
 
-std::optional<SideValue> side_value(const RunRecord& record, std::string_view key) {
+/// Results of a whole fall, which the part before a hand-over has its share in.
+constexpr std::array<std::string_view, 5> of_the_whole_fall{"flight_time_s", "landing_east_m",
+                                                            "landing_north_m", "drift_m", "altitude_loss_m"};
+
+/// Whether `record` has a metric from the fidelity of the other side alone, which flew its last part.
+bool is_borrowed(const RunRecord& record, const RunRecord& other, std::string_view key) {
+    const auto& made = record.handed_over;
+    if (!made || std::ranges::count(of_the_whole_fall, key) > 0) return false;
+    const bool by_the_other =
+        made->to == other.fidelity || (other.handed_over && other.handed_over->to == made->to);
+    return by_the_other && made->to != record.fidelity && std::ranges::count(made->metrics, key) > 0;
+}
+
+/// None where it is borrowed.
+std::optional<SideValue> side_value(const RunRecord& record, const RunRecord& other, std::string_view key) {
+    if (is_borrowed(record, other, key)) return {};
     const Metric* metric = record.find_metric(key);
     if (metric == nullptr || !std::isfinite(metric->value)) return {};
     return SideValue{metric->value, metric->kind, metric->note};
@@ -42,12 +58,20 @@ Verdict judge(const MetricGap& gap, bool excused, double zero) {
 /// Why each of those that lack a metric does, where they say so.
 std::string reasons(const MetricGap& gap, const RunRecord& reference, const RunRecord& candidate) {
     std::string text;
-    const auto add = [&](const std::optional<SideValue>& side, const RunRecord& record) {
-        if (const MissingMetric* missing = missing_in(record, gap.row->key); !side && missing)
-            text += fmt::format("{} {}: {}", text.empty() ? "," : ";", record.fidelity, missing->why);
+    const auto add = [&](const std::optional<SideValue>& side, const RunRecord& record,
+                         const RunRecord& other) {
+        if (side) return;
+        const auto say = [&](const std::string& why) {
+            text += fmt::format("{} {}: {}", text.empty() ? "," : ";", record.fidelity, why);
+        };
+        if (is_borrowed(record, other, gap.row->key))
+            say(fmt::format("{} flew the rest from t = {:.4g} s on", record.handed_over->to,
+                            record.handed_over->time));
+        else if (const MissingMetric* missing = missing_in(record, gap.row->key))
+            say(missing->why);
     };
-    add(gap.candidate, candidate);
-    add(gap.reference, reference);
+    add(gap.candidate, candidate, reference);
+    add(gap.reference, reference, candidate);
     return text;
 }
 
@@ -168,8 +192,8 @@ FidelityGap measure_gap(const RunRecord& reference, const RunRecord& candidate,
         const MetricRow& row = *which;
         MetricGap metric;
         metric.row = &row;
-        metric.reference = side_value(reference, row.key);
-        metric.candidate = side_value(candidate, row.key);
+        metric.reference = side_value(reference, candidate, row.key);
+        metric.candidate = side_value(candidate, reference, row.key);
         const auto asked = tolerances.find(std::string(row.name));
         const MissingMetric *of_reference = missing_in(reference, row.key),
                             *of_candidate = missing_in(candidate, row.key);
@@ -186,8 +210,13 @@ FidelityGap measure_gap(const RunRecord& reference, const RunRecord& candidate,
             metric.difference = metric.candidate->value - metric.reference->value;
             metric.relative = relative_difference(metric.candidate->value, metric.reference->value, zero);
         }
+        // A scene that hands over stops before, as far as the model that hands over goes.
+        const auto handed_over = [&](const RunRecord& record, const RunRecord& other) {
+            return is_borrowed(record, other, row.key);
+        };
         const bool excused =
-            is_excused(metric.reference, of_reference) && is_excused(metric.candidate, of_candidate);
+            (is_excused(metric.reference, of_reference) || handed_over(reference, candidate)) &&
+            (is_excused(metric.candidate, of_candidate) || handed_over(candidate, reference));
         metric.verdict = both_ended ? judge(metric, excused, zero) : Verdict::not_judged;
         metric.note = note_of(metric, reference, candidate);
         gap.metrics.push_back(std::move(metric));

@@ -145,6 +145,12 @@ std::optional<PhaseScore> score(const Curve& reference, const Curve& candidate, 
     return result;
 }
 
+/// [s] at which a record goes on with what another model flew: no result of its own.
+double own_end(const RunRecord& record) {
+    const auto& made = record.handed_over;
+    return made && made->to != record.fidelity ? made->time : infinity;
+}
+
 }  // namespace
 
 double value_before(const Curve& curve, double time) {
@@ -225,6 +231,7 @@ std::vector<PhaseScore> score_history(const RunRecord& reference, const RunRecor
             const Opening &next_one = openings[k + 1].first, &next_other = openings[k + 1].second;
             to = std::max(0.0, std::min(next_one.begins - one.snatch, next_other.begins - other.snatch));
         }
+        to = std::min({to, own_end(reference) - one.snatch, own_end(candidate) - other.snatch});
         const double full = std::min(one.full - one.snatch, to);
         const Curve a = since(one.snatch, *of_reference), b = since(other.snatch, *of_candidate);
         const auto add = [&](HistoryPhase phase, double begin, double end) {

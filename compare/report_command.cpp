@@ -181,6 +181,15 @@ ExitCode run_report(const Fidelity& reference, const Fidelity& candidate, const 
     const std::optional<std::string> out = arguments.value("out");
     if (out) check_output_dir(*out);
     const std::vector<Place> places = places_of(arguments, reference, candidate);
+    for (const Place& place : places)
+        if (!place.comparison && (arguments.has("tolerance") || test))
+            throw UsageError(
+                fmt::format("'{}' is the record of one model (a tolerance or a test is held against a "
+                            "comparison), name a directory that `twinchute compare` wrote",
+                            place.directory.string()));
+    if (out && test)
+        throw UsageError(
+            "--test with --out (a table of records has no place for a test), leave one of them out");
     const bool alone = places.size() == 1 && places.front().comparison && !out;
     const bool one = places.size() == 1 && places.front().directory == plain(arguments.operands.front());
     const std::array<std::string_view, 2> fidelities{candidate.name, reference.name};

@@ -29,14 +29,17 @@ std::vector<std::string> keys_of(const RunRecord& before, const RunRecord& now) 
     return keys;
 }
 
-/// `asked`: by name, so that it has to be there. `missing`: what the record of now says of it, or null.
-Verdict judge(const MetricChange& change, bool asked, const MissingMetric* missing, double zero) {
+/// `asked`: by name, so that it has to be there; `asked_of_baseline`: also in what was before. `missing`:
+/// what the record of now says of it, or null.
+Verdict judge(const MetricChange& change, bool asked, bool asked_of_baseline, const MissingMetric* missing,
+              double zero) {
     if (!change.tolerance) return Verdict::not_judged;
     if (!change.now) {
         if (missing && missing->not_reached && !asked) return Verdict::not_reached;
         return change.before || asked ? Verdict::missing : Verdict::not_judged;
     }
-    if (!change.before) return Verdict::not_judged;  // a new metric has no past
+    if (!change.before)  // a new metric has no past
+        return asked_of_baseline ? Verdict::missing : Verdict::not_judged;
     return is_within(*change.difference, *change.tolerance, *change.before, zero) ? Verdict::within
                                                                                   : Verdict::exceeded;
 }
@@ -75,7 +78,7 @@ std::set<std::string> asked_names(const FidelityGap& gap, const Tolerances& aske
 }
 
 void add_changes(Trend& trend, const RunRecord& before, const RunRecord& now, const Tolerances& judged,
-                 const std::set<std::string>& asked, bool both_ended) {
+                 const std::set<std::string>& asked, const Tolerances& asked_of_baseline, bool both_ended) {
     for (const std::string& key : keys_of(before, now)) {
         MetricChange change{now.fidelity, key, value_of(before, key), value_of(now, key), {}, {}};
         if (!change.before && !change.now) continue;
@@ -90,7 +93,9 @@ void add_changes(Trend& trend, const RunRecord& before, const RunRecord& now, co
         const auto missing = std::ranges::find(now.missing, key, &MissingMetric::metric);
         const MissingMetric* why = missing == now.missing.end() ? nullptr : &*missing;
         if (why && !change.now) change.note = why->why;
-        if (both_ended) change.verdict = judge(change, asked.contains(std::string(name)), why, zero);
+        if (both_ended)
+            change.verdict = judge(change, asked.contains(std::string(name)),
+                                   asked_of_baseline.contains(std::string(name)), why, zero);
         ++trend.compared;
         trend.judged += change.verdict != Verdict::not_judged && change.verdict != Verdict::not_reached;
         if (moved(change, zero) || change.verdict == Verdict::exceeded)
@@ -144,11 +149,14 @@ void add_provenance(Trend& trend, const Comparison& before, const Comparison& no
     add_if_other(trend.machine, "threads", std::to_string(then.threads), std::to_string(today.threads));
 }
 
+std::string name_of(const MetricChange& change) {
+    return fmt::format("{} {}", change.fidelity, split_metric_key(change.key).name);
+}
+
 std::vector<std::string> names_of(const Trend& trend, Verdict verdict) {
     std::vector<std::string> names;
     for (const MetricChange& change : trend.changes)
-        if (change.verdict == verdict)
-            names.push_back(fmt::format("{} {}", change.fidelity, split_metric_key(change.key).name));
+        if (change.verdict == verdict) names.push_back(name_of(change));
     return names;
 }
 
@@ -196,13 +204,16 @@ Trend measure_trend(const Comparison& before, const Comparison& now, const Toler
                                      is_judged(then) ? "new run" : "baseline",
                                      status_name((is_judged(then) ? today : then).status.code));
         trend.no_baseline = trend.no_baseline || !is_judged(then);
-        add_changes(trend, then, today, judged, names, both_ended);
+        add_changes(trend, then, today, judged, names, asked, both_ended);
     }
     if (trend.note.empty()) add_unknown(trend, before, now, asked);
     std::ranges::stable_sort(trend.changes, std::greater{}, size_of);
     trend.inputs = input_changes(before.reference.inputs, now.reference.inputs);
     add_provenance(trend, before, now);
-    if (trend.note.empty() && trend.judged == 0) trend.note = "no metric with a tolerance is in both";
+    if (trend.note.empty() && trend.judged == 0) {
+        trend.note = "no metric with a tolerance is in both";
+        trend.no_baseline = true;  // whoever names one wants it held against something
+    }
     return trend;
 }
 
@@ -219,8 +230,9 @@ std::string verdict_line(const Trend& trend) {
         fmt::format("{} judged, {} of {} metrics moved", trend.judged, trend.changes.size(), trend.compared);
     std::string line;
     std::vector<std::string> names = names_of(trend, Verdict::exceeded);
-    for (const std::string& name : names_of(trend, Verdict::missing))
-        names.push_back(name + " (gone)");
+    for (const MetricChange& change : trend.changes)
+        if (change.verdict == Verdict::missing)
+            names.push_back(name_of(change) + (change.now ? " (not in the baseline)" : " (gone)"));
     if (!names.empty()) {
         line = fmt::format("moved too far from the baseline: {} ({})", fmt::join(names, ", "), counts);
     } else if (trend.judged > 0) {

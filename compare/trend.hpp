@@ -36,7 +36,8 @@ struct Trend {
     std::vector<OtherChange> model;     ///< version, commit, compiler, flags
     std::vector<OtherChange> machine;   ///< processor, instruction set, threads
     std::string note;                   ///< why nothing is judged, or not all; empty otherwise
-    bool no_baseline = false;           ///< a run of the baseline broke off: nothing to hold against
+    bool no_baseline = false;           ///< nothing to hold against: a run of it broke off, or no judged
+                                        ///< metric is in both
 };
 
 /// Two that a record does not know (not a number) are the same.
@@ -59,8 +60,8 @@ inline constexpr Tolerance trend_tolerance{1e-3, true};
 Trend measure_trend(const Comparison& before, const Comparison& now,
                     const std::map<std::string, Tolerance>& asked);
 
-/// Exceeded if a judged metric is exceeded or missing, or a run of the baseline broke off; not judged if none
-/// is.
+/// Exceeded if a judged metric is exceeded or missing, or there is nothing to hold it against; not judged if
+/// the new run broke off before any was.
 Verdict overall_verdict(const Trend& trend);
 
 /// "no judged metric moved by more than its tolerance (6 judged, 3 of 52 moved at all)", or which did.

@@ -273,6 +273,9 @@ py::tuple run_batch(const SceneObject& scene, const std::vector<std::pair<std::s
     const Fidelity &rom = rom::rom_fidelity(), &full = fullsim::full_fidelity();
     const std::array others{&full};
     require_physics(scene.scene(), rom, others);
+    if (!scene.scene().then.empty())
+        throw UsageError(
+            "stop.then: batches do not hand over (they give metrics of single runs), stop at \"ground\"");
     study::ManyInputs many;
     for (const auto& [key, column] : inputs) {
         many.keys.push_back(key);

@@ -222,7 +222,7 @@ std::vector<Finding> compare_runs(const Trial& trial, const RunRecord& truth, co
         findings.push_back(
             {fmt::format("ends otherwise ({}){}", status_name(truth.status.code), by), 1.0, 0.0});
     for (const auto& [key, what] :
-         {std::pair{"peak_force_N", "peak force"}, std::pair{"max_deceleration_g", "largest deceleration"},
+         {std::pair{"max_force_N", "largest force"}, std::pair{"max_deceleration_g", "largest deceleration"},
           std::pair{"max_line_tension_N", "largest line tension"}})
         findings.push_back({what + by, share(metric(trial.record, key), metric(truth, key)), limit});
     return findings;
@@ -250,22 +250,22 @@ std::vector<Finding> of_its_own_layout(const Trial& trial) {
     return compare_runs(trial, truth, " in the gore-batched layout", same_but_for_rounding);
 }
 
-/// How far the peak moves when nodes of the canopy start a micrometre elsewhere, as a share of it.
-double scatter_of_peak(const Trial& trial) {
-    double low = metric(trial.record, "peak_force_N"), high = low;
+/// How far the largest force moves when nodes of the canopy start a micrometre elsewhere, as a share of it.
+double scatter_of_force(const Trial& trial) {
+    double low = metric(trial.record, "max_force_N"), high = low;
     for (const std::uint64_t seed : {1, 2, 3}) {
         Scene scene = trial.scene;
         scene.full.symmetry = Symmetry::none;  // one sector has no noise
         scene.full.noise = Noise{1e-6, seed};
-        const double peak = metric(trial.run(scene), "peak_force_N");
-        low = std::min(low, peak);
-        high = std::max(high, peak);
+        const double largest = metric(trial.run(scene), "max_force_N");
+        low = std::min(low, largest);
+        high = std::max(high, largest);
     }
     return (high - low) / low;
 }
 
 std::vector<Finding> of_scatter(const Trial& trial) {
-    return compare_steps(trial, in_half_the_step(trial), std::max(same_force, scatter_of_peak(trial)));
+    return compare_steps(trial, in_half_the_step(trial), std::max(same_force, scatter_of_force(trial)));
 }
 
 double at(const RunRecord& record, const char* channel, double t) {
@@ -388,13 +388,13 @@ std::optional<std::int64_t> steps_since_first_sign(const Trial& trial, double so
     Scene scene = trial.scene;
     scene.full.time_step_factor = sound_factor;
     const RunRecord truth = trial.run(scene);
-    const auto peak = truth.metric("peak_force_N");
+    const auto largest = truth.metric("max_force_N");
     const Channel *time = trial.record.find_channel("time"), *force = trial.record.find_channel("force_raw");
-    if (!peak || !time || !force || time->values.back() <= 0.0) return std::nullopt;
+    if (!largest || !time || !force || time->values.back() <= 0.0) return std::nullopt;
     const auto& t = time->values;
     double sign = t.back();
     for (std::size_t i = 0; i < t.size(); ++i)
-        if (std::abs(force->values[i] - at(truth, "force_raw", t[i])) > first_sign * *peak) {
+        if (std::abs(force->values[i] - at(truth, "force_raw", t[i])) > first_sign * *largest) {
             sign = t[i];
             break;
         }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -15,8 +16,10 @@
 #include "lib/exchange/imported_scene.hpp"
 #include "lib/math/vec.hpp"
 #include "lib/record/file_batch.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/scene/drag_area.hpp"
 #include "lib/scene/trigger.hpp"
+#include "lib/solve/hand_over.hpp"
 
 namespace twinchute::exchange {
 namespace {
@@ -74,7 +77,7 @@ RocketPyTrigger trigger_of(const Scene& scene, const Parachute& chute) {
 std::optional<double> metric_of(const RunRecord& record, const Scene& scene, const Parachute& chute,
                                 const std::string& key) {
     if (scene.parachutes.size() == 1) return record.metric(key);
-    return record.metric(fmt::format("{}_{}", chute.name, key));
+    return record.metric(metric_head(chute.name) + key);
 }
 
 std::string python_name(std::string_view name) {
@@ -86,14 +89,17 @@ std::string python_name(std::string_view name) {
 
 std::string parachute_text(const Scene& scene, const RunRecord& record, const Parachute& chute) {
     const RocketPyTrigger trigger = trigger_of(scene, chute);
-    const std::optional<double> filling = metric_of(record, scene, chute, "filling_time_s");
+    // A lag is a fall without drag, which a reefed canopy has.
+    const std::string stage = chute.reefing.empty() ? "" : fmt::format("stage_{}_", chute.reefing.size() + 1);
+    const std::optional<double> filling = metric_of(record, scene, chute, stage + "filling_time_s");
     const double delay = chute.deploy_when ? chute.deploy_when->delay : 0.0;
     std::string text;
     const auto left_out = [&](bool there, std::string_view what) {
         if (there) text += fmt::format("# left out: {}\n", what);
     };
     text += fmt::format("\n# {}\n", one_line(chute.name));
-    left_out(!chute.reefing.empty(), "reefing; the parachute opens in one");
+    left_out(!chute.reefing.empty(),
+             "reefing; the parachute opens in one, within the filling time of its last stage");
     left_out(chute.cut.has_value(), "cut; RocketPy drops a parachute where the next one opens");
     const bool stays = !chute.cut && &chute != &landing_parachute(scene);
     left_out(stays,
@@ -191,7 +197,7 @@ ExitCode run_export(const Arguments& arguments, const Fidelity& rom) {
                         "write a scene without [[case]]",
                         scenes.front().file.string(), scenes.size()));
     const Scene& scene = scenes.front();
-    require_physics(scene, rom, {});
+    require_physics(scene, rom, std::array{&rom});
     if (!map)
         for (const Parachute& chute : scene.parachutes)
             trigger_of(scene, chute);
@@ -200,7 +206,8 @@ ExitCode run_export(const Arguments& arguments, const Fidelity& rom) {
         return ExitCode::done;
     }
     Run run;
-    const RunRecord record = rom.run(scene, run);
+    const std::array others{&rom};
+    const RunRecord record = run_scene(rom, scene, run, others);
     const std::string text = !map                   ? rocketpy_text(scene, record)
                              : format.name == "kml" ? flight_kml(record, *map)
                                                     : flight_geojson(record, *map);

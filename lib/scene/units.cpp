@@ -235,7 +235,7 @@ double factor(std::string_view unit, std::string_view si_unit, double number) {
         throw unknown(fmt::format("'{}' is not part of a unit", part));
 
     const Database& units = database();
-    const UnitPtr from = units.parse(spelled), to = units.parse(std::string(si_unit));
+    const UnitPtr from = units.parse(spelled), to = units.parse(spelled_out(si_unit));
     if (!from) throw unknown("neither UDUNITS-2 nor the alias table has it");
     if (!ut_are_convertible(from.get(), to.get()) || angle_power(from.get()) != angle_power(to.get()))
         throw UnitError(fmt::format("'{}' is the wrong kind of unit", unit),

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lib/math/vec.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/solve/steady_descent.hpp"
 
 namespace twinchute {
@@ -55,7 +56,7 @@ bool has_event(const RunRecord& record, const Scene& scene, const Parachute& chu
 std::optional<std::string> prefix_of_the_only_one(const RunRecord& record, const Scene& scene) {
     const auto flies_on = [&](const Parachute& chute) { return !has_event(record, scene, chute, "cut"); };
     if (scene.parachutes.size() == 1 || std::ranges::count_if(scene.parachutes, flies_on) != 1) return {};
-    return std::ranges::find_if(scene.parachutes, flies_on)->name + "_";
+    return metric_head(std::ranges::find_if(scene.parachutes, flies_on)->name);
 }
 
 /// Rows of `rest` but for its first, which is the last one of `first`.
