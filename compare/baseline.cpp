@@ -32,7 +32,7 @@ Baseline::Baseline(const Arguments& arguments, const std::vector<Scene>& scenes,
     }
     const auto real = [](const std::filesystem::path& place) {
         std::error_code ignored;
-        return std::filesystem::weakly_canonical(place / "", ignored);
+        return (std::filesystem::weakly_canonical(place, ignored) / "").lexically_normal();
     };
     const std::filesystem::path out =
         real(arguments.value("out").value_or(default_output_dir(arguments.operand).string()));

@@ -158,6 +158,14 @@ private:
             const std::vector<double> y(solver.state().begin(), solver.state().end());
             const auto done = sequence_.advance(now(solver));
             openings_.before_stage(done, now(solver));
+            if (const Canopy* fills = sequence_.fills_itself()) {
+                refusal_ = {
+                    StatusCode::refused,
+                    fmt::format("{} still fills while {} leaves its pack (this model predicts a filling of "
+                                "canopies above one body alone), deploy {} later, or give {} a fill_time",
+                                fills->chute->name, chute_.name, chute_.name, fills->chute->name)};
+                return IntegrationSegment::reached_end;
+            }
             const auto corner = std::ranges::upper_bound(corners_, solver.time());
             const double bend = corner == corners_.end() ? std::numeric_limits<double>::infinity() : *corner;
             const double next = std::min(bend, sequence_.next_time());
@@ -235,7 +243,7 @@ private:
         if (several_) {
             const LargestPull pull = largest_pull<dimensions>(
                 sequence_, {t, model_.atmosphere.at(m.altitude()).density, model_.gravity,
-                            model_.mach_number(m), model_.added_mass, false,
+                            model_.mach_number(m), model_.added_mass, model_.accretes(),
                             airspeed_of<dimensions>(m.velocity, m.altitude(), model_.wind), acceleration});
             const double own = model_.tension(s) / chute_.count;  // alike, and drawn out together
             const auto leaving = std::ranges::find(sequence_.all(), *sequence_.leaves_pack(), &Canopy::index);
@@ -249,6 +257,7 @@ private:
 
     /// In words, since a parachute that never opens is what a user wants to know most.
     RunStatus ending(IntegrationSegment segment, const OdeSolver& solver, Deployed<dimensions>& result) {
+        if (refusal_.code == StatusCode::refused) return refusal_;
         const auto s = Model::separation_of(solver.state());
         const std::string apart =
             fmt::format("payload and parachute are {:.4g} m apart at t = {:.4g} s, taut lines take {:.4g} m",
@@ -281,6 +290,7 @@ private:
     const std::vector<double> corners_;
     Model model_;
     double start_ = 0.0;  // [s] of the stage of taut lines
+    RunStatus refusal_;   // of what this model cannot follow
     const bool several_ = has_several_canopies(scene_);
 };
 

@@ -332,10 +332,13 @@ private:
 
     /// The window at the end of the run: a ground that comes first does not make it less steady.
     void note_last_window() {
-        result_.last_window = window();
-        if (!result_.last_window || !result_.last_window->is_steady() || !sequence_.is_settled() ||
-            !is_carried())
+        if (!is_carried()) {  // it lands by itself
+            result_.descent.reset();
+            result_.descent_altitude.reset();
             return;
+        }
+        result_.last_window = window();
+        if (!result_.last_window || !result_.last_window->is_steady() || !sequence_.is_settled()) return;
         result_.descent = result_.last_window;
         if (!result_.descent_altitude) result_.descent_altitude = here().altitude();
     }
@@ -506,7 +509,9 @@ private:
 
     std::vector<Root> sought() const {
         const bool last = sequence_.is_settled() && is_carried();
-        if (is_steady_ || !sequence_.is_quiet() || !(last || sequence_.waits_for_steady_descent())) return {};
+        if (is_steady_ || is_past_peak_ || !sequence_.is_quiet() ||
+            !(last || sequence_.waits_for_steady_descent()))
+            return {};
         if (last && scene_.stop.kind == Trigger::Kind::peak_force) return {Root::steady, Root::peak};
         return {Root::steady};
     }
@@ -578,15 +583,21 @@ private:
             context_.end_at(solver_->time() + stop.delay);
         if (solver_->time() >= context_.stop_time) return segment;
         take_long_steps();
+        return to_the_end();
+    }
+
+    /// Where nothing is waited for any more; otherwise from event to event.
+    std::optional<IntegrationSegment> to_the_end() {
+        if (!sequence_.is_over()) return std::nullopt;
         return context_.integrate_to(*solver_, context_.stop_time);
     }
 
     /// The force is well past its peak, the run goes on for the delay.
-    IntegrationSegment end_after_peak() {
+    std::optional<IntegrationSegment> end_after_peak() {
         context_.end_at(solver_->time() + scene_.stop.delay);
+        is_past_peak_ = true;
         begin_stage({});
-        return solver_->time() < context_.stop_time ? context_.integrate_to(*solver_, context_.stop_time)
-                                                    : IntegrationSegment::reached_end;
+        return solver_->time() < context_.stop_time ? to_the_end() : IntegrationSegment::reached_end;
     }
 
     /// Whether an explicit method would take many steps for its stability alone in a steady descent to `end`:
@@ -637,6 +648,7 @@ private:
     std::vector<Bulb> bulbs_;                 // in the order of the state
     std::vector<std::size_t> watched_bulbs_;  // by their roots
     std::unique_ptr<OdeSolver> solver_;
+    bool is_past_peak_ = false;
     RunStatus refusal_;        // of an opening that cannot take place
     std::vector<Root> roots_;  // of the stage, in the solver's order
     const bool several_ = has_several_canopies(scene_);

@@ -63,8 +63,15 @@ void Openings::close() {
     chute.stages.back().peak_time = peak.at;
 }
 
+/// Another parachute pulls from here on: the peak of one that still fills is not known.
+void Openings::close_for_another() {
+    close();
+    ParachuteResult& before = result.parachutes.back();
+    if (!before.stages.empty() && sequence_.is_growing(before.index)) before.stages.back().peak_force.reset();
+}
+
 void Openings::lines_taut() {
-    if (!result.parachutes.empty()) close();
+    if (!result.parachutes.empty()) close_for_another();
     snatches_ = true;
 }
 
@@ -73,7 +80,7 @@ void Openings::note_snatch(const OpeningEvent& what, const FlightState& now) {
     const bool packed = chute.deploy.starts_packed();
     snatches_ = false;
     if (!packed && !result.parachutes.empty()) {
-        close();
+        close_for_another();
         ParachuteResult& before = result.parachutes.back();
         if (before.snatch_time == now.time && !before.stages.empty()) before.stages.back().peak_force.reset();
     }

@@ -43,6 +43,7 @@ public:
     RunStatus check() const;
 
 private:
+    void close_for_another();
     void note_forces(const OpeningEvent& what, const FlightState& now);
     void note_event(const OpeningEvent& what, double time);
     void note_snatch(const OpeningEvent& what, const FlightState& now);

@@ -191,7 +191,7 @@ RunRecord run_in(const Scene& scene, Run& run, bool with_bracket) {
     record.cost.cpu_s = watch.cpu();
     add_metrics(record, scene, result);
     note_never_opened(record, scene, never_opened(sequence), reached);
-    warn_of_cuts(record, scene, sequence);
+    warn_of_sequence(record, scene, sequence);
     note_missing_metrics(record, scene, reached);
     if (is_one_opening(scene)) add_estimates(record, scene, result);
     add_channels(record, context.observer.rows(), scene, dimensions);

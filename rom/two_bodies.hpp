@@ -2,6 +2,8 @@
 // by elastic lines.
 #pragma once
 
+#include <algorithm>
+
 #include "lib/models/atmosphere.hpp"
 #include "lib/scene/deployment.hpp"
 #include "lib/solve/opening_sequence.hpp"
@@ -95,14 +97,24 @@ struct TwoBodies {
                *atmosphere.speed_of_sound(m.altitude());
     }
 
-    /// (m_l + M_a) dv/dt = m_l g + D_l + T e, with the drag and added mass of canopies that are out.
+    /// The air that joins the canopies takes momentum.
+    bool accretes() const { return added_mass && added_mass->momentum == AddedMassMomentum::accreting; }
+
+    /// (m_l + M_a) dv/dt = m_l g + D_l + T e [- (dM_a/dt) v_air as RigidComposite], with the drag and added
+    /// mass of canopies that are out.
     Vec<dimensions> payload_acceleration(double t, const Motion<dimensions>& m,
                                          const Separation<dimensions>& s) const {
         double inertia = payload_mass;
-        if (added_mass)
-            inertia += canopies->added_mass(*added_mass, t, atmosphere.at(m.altitude()).density).value;
-        const double drag_area = payload_drag_area + canopy_drag_area(t, m);
-        return acceleration_of(payload_mass, inertia, drag(drag_area, m.velocity, m.altitude()) + pull(s));
+        Vec<dimensions> force =
+            drag(payload_drag_area + canopy_drag_area(t, m), m.velocity, m.altitude()) + pull(s);
+        if (added_mass) {
+            const ValueAndRate air =
+                canopies->added_mass(*added_mass, t, atmosphere.at(m.altitude()).density);
+            inertia += air.value;
+            if (accretes())
+                force -= std::max(0.0, air.rate) * airspeed_of<dimensions>(m.velocity, m.altitude(), wind);
+        }
+        return acceleration_of(payload_mass, inertia, force);
     }
 
     /// m_p dv/dt = m_p g + D_p + F_extraction - T e; none while the static line holds it.

@@ -72,6 +72,10 @@ RunRecord FullRun::finish() {
     }
     const std::vector<RunView> each = recorder_.canopy_views();
     if (stages_) {
+        if (cluster_.out().empty()) {  // it lands by itself
+            found().descent.reset();
+            found().descent_altitude.reset();
+        }
         for (const std::size_t k : cluster_.out())
             if (went_through_itself(each[k])) found().descent.reset();
         const std::vector<RunView> parachutes = recorder_.parachute_views();

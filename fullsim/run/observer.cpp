@@ -14,11 +14,13 @@ namespace {
 
 constexpr double filter_window = 5e-3;  // [s]
 
+/// Signed angle from a to b about the axis, to both of which they are normal [rad].
+double angle_about(const Vec3& axis, const Vec3& a, const Vec3& b) {
+    return std::atan2(a.cross(b).dot(axis), a.dot(b));
+}
+
 /// Turns of the tangent along a closed polygon, seen along the axis: 1 where it does not cross itself (Hopf).
-double turns_of(const State& state, const std::vector<NodeIndex>& ring, const Vec3& axis) {
-    const auto turn = [&](const Vec3& a, const Vec3& b) {
-        return std::atan2(a.cross(b).dot(axis), a.dot(b));
-    };
+double tangent_turns(const State& state, const std::vector<NodeIndex>& ring, const Vec3& axis) {
     std::optional<Vec3> first, last;
     double angle = 0.0;
     for (std::size_t k = 0; k < ring.size(); ++k) {
@@ -26,13 +28,35 @@ double turns_of(const State& state, const std::vector<NodeIndex>& ring, const Ve
             to_vec3(state.node[ring[(k + 1) % ring.size()]].x) - to_vec3(state.node[ring[k]].x);
         const Vec3 across = along - along.dot(axis) * axis;
         if (!(across.squaredNorm() > 0.0)) continue;  // several lines may share a node
-        if (last) angle += turn(*last, across);
+        if (last) angle += angle_about(axis, *last, across);
         if (!first) first = across;
         last = across;
     }
-    if (first) angle += turn(*last, *first);
+    if (first) angle += angle_about(axis, *last, *first);
     return std::round(angle / (2.0 * pi));
 }
+
+/// Turns of a closed polygon about its centre, and the way [rad] that it goes back on it, in loops.
+struct Winding {
+    double turns = 0.0, back = 0.0;
+};
+
+Winding winding_of(const State& state, const std::vector<NodeIndex>& ring, const Vec3& centre,
+                   const Vec3& axis) {
+    double forth = 0.0, back = 0.0;
+    const auto arm = [&](std::size_t k) {
+        const Vec3 from_centre = to_vec3(state.node[ring[k % ring.size()]].x) - centre;
+        return Vec3(from_centre - from_centre.dot(axis) * axis);
+    };
+    for (std::size_t k = 0; k < ring.size(); ++k) {
+        const double angle = angle_about(axis, arm(k), arm(k + 1));
+        (angle > 0.0 ? forth : back) += std::abs(angle);
+    }
+    return {std::round((forth - back) / (2.0 * pi)), std::min(forth, back)};
+}
+
+/// A loop of a gore or two leaves the canopy a canopy: it goes back by less than this [rad].
+constexpr double small_loop = 0.25 * pi;
 
 /// [N/m] of the sheets; none where one of them has none.
 std::vector<double> strengths_of(const Mesh& mesh) {
@@ -58,8 +82,10 @@ CanopyShape canopy_shape(const State& state, const Mesh& mesh, int sectors) {
     // A vent that is held down may be as low as the skirt.
     const Vec3 up = mesh.vent_held_down ? Vec3(skirt - to_vec3(state.node[mesh.payload()].x)) : vent - skirt;
     const Vec3 axis = up.normalized();
-    CanopyShape shape{0.0, mesh.vent_held_down ? 0.0 : (vent - skirt).norm(),
-                      turns_of(state, mesh.seam_rings.back(), axis)};
+    const Winding winding = winding_of(state, mesh.seam_rings.back(), skirt, axis);
+    CanopyShape shape{
+        0.0, mesh.vent_held_down ? 0.0 : (vent - skirt).norm(),
+        winding.back < small_loop ? winding.turns : tangent_turns(state, mesh.seam_rings.back(), axis)};
     for (const auto& ring : mesh.seam_rings) {
         const Vec3 centre = centre_of(ring);
         if (mesh.vent_held_down) shape.depth = std::max(shape.depth, (centre - skirt).dot(axis));

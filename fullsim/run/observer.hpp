@@ -44,7 +44,8 @@ struct CanopyShape {
     double seam_diameter;  ///< [m] mean of the widest seam ring
     double depth;  ///< [m] from vent to skirt along the canopy's axis; of one whose vent is held down, from
                    ///< its highest seams
-    double turns;  ///< of the skirt on its way around that axis: 1 where it does not cross itself
+    double turns;  ///< of the skirt on its way around that axis: 1 where it does not cross itself, but for
+                   ///< loops that go back by less than 45 deg in all
 };
 CanopyShape canopy_shape(const State& state, const Mesh& mesh, int sectors = 1);
 

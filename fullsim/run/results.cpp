@@ -260,7 +260,7 @@ void add_structure(const RunView& run, std::optional<double> steady_area, RunRec
                 {key, "no fabric was taut as finite elements", record.status.code == StatusCode::completed});
     }
     Parachute of_sheet = run.parachute();
-    of_sheet.fabric = meshed_fabric(of_sheet);
+    of_sheet.fabric = run.simulation().mesh().fabric;  // of all of it where panels name one together
     // Which fabric the largest stress was in is not known.
     if (!run.simulation().mesh().other_fabrics.empty()) of_sheet.fabric.strength.reset();
     add_strength_margins(record, of_sheet);
@@ -543,7 +543,7 @@ void fill_results_of_stages(const StagesView& run, std::span<const RunView> para
         reached = reached_by(parachutes.front(), result.filling_time.has_value());
     reached.ground = run.findings.landing_time.has_value();
     note_never_opened(record, scene, unopened, reached);
-    warn_of_cuts(record, scene, run.sequence);
+    warn_of_sequence(record, scene, run.sequence);
     note_missing_metrics(record, scene, reached);
     record.left_out = left_out_of(parts_of(scene));
     if (several) {

@@ -68,7 +68,13 @@ void Stages::close_snatch(const Observer& all) {
     if (owners_.back().opening >= 0) opened_.back().snatch_force = all.snatch_peak().value;
 }
 
+void Stages::close_for_another() {
+    Owner& before = owners_.back();
+    before.still_fills = before.opening >= 0 && sequence.is_growing(opened_.back().index);
+}
+
 void Stages::leaves_pack(double time, Observer& all) {
+    close_for_another();
     close_snatch(all);
     all.begin_deployment(time);
     owners_.push_back({});
@@ -78,6 +84,7 @@ void Stages::leaves_pack(double time, Observer& all) {
 void Stages::opens(std::size_t parachute, const RunView& canopies, double initial_time, double time,
                    Observer& all) {
     const auto own = static_cast<std::ptrdiff_t>(opened_.size());
+    if (!canopies.packed()) close_for_another();
     ParachuteResult opening;
     opening.index = parachute;
     opening.snatch_time = time;
@@ -112,7 +119,7 @@ std::vector<ParachuteResult> Stages::openings(std::span<const RunView> each, con
         const Observer::Peak& peak = i < all.earlier_peaks().size() ? all.earlier_peaks()[i] : all.peak();
         ParachuteResult::Stage& stage =
             opened_[static_cast<std::size_t>(owners_[i].opening)].stages[owners_[i].stage];
-        if (peak.value > 0.0) stage.peak_force = peak.value;
+        if (peak.value > 0.0 && !owners_[i].still_fills) stage.peak_force = peak.value;
         stage.peak_time = peak.time;
     }
     for (ParachuteResult& opening : opened_)
@@ -141,6 +148,7 @@ void Stages::serialize(Archive& archive) {
     for (Owner& owner : owners_) {
         archive.whole("opening", owner.opening, -1, static_cast<std::ptrdiff_t>(opened_.size()) - 1);
         archive.whole("stage", owner.stage, 0, 1000);
+        archive.flag("still fills", owner.still_fills);
         if (owner.opening >= 0 &&
             owner.stage >= opened_[static_cast<std::size_t>(owner.opening)].stages.size())
             archive.refuse("holds what no run writes", "a peak of a stage that has not begun");

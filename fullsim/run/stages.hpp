@@ -48,6 +48,8 @@ public:
 
 private:
     void close_snatch(const Observer& all);
+    /// Another parachute begins to pull: the peak of one that still fills is not known.
+    void close_for_another();
 
     const Scene& scene_;
     std::vector<std::size_t> first_canopy_;
@@ -58,6 +60,7 @@ private:
     struct Owner {
         std::ptrdiff_t opening = -1;  // of opened_
         std::size_t stage = 0;
+        bool still_fills = false;  ///< as another parachute begins to pull
     };
     std::vector<Owner> owners_{{}};
     bool snatches_ = false;  // the last peak began with a deployment

@@ -130,7 +130,7 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
                  ? "gores are folded inside out; fabric passes through fabric here"
                  : "gores are folded inside out; contact keeps neighbours in order, not a canopy from "
                    "turning over",
-             run.scene.full.contact == Contact::none && !chute.mesh
+             run.scene.full.contact == Contact::none && !chute.mesh && !(cross_arm_ratio(chute) > 0.0)
                  ? "look at the shape before trusting the loads; full.contact = \"gores\" keeps neighbours "
                    "in order"
                  : "look at the shape before trusting the loads");
@@ -183,7 +183,7 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
     if (record.status.code != StatusCode::completed || !opened) return;
     if (steady_area) return;
     const bool was_cut = !run.canopies.is_out(run.first);
-    if (was_cut && run.simulation().system().time < run.full_open()) return;  // warn_of_cuts
+    if (was_cut && run.simulation().system().time < run.full_open()) return;  // warn_of_sequence
     warn("no filling time and no steady shape",
          fmt::format("{} less than {:g} s after full open", was_cut ? "it was cut" : "the run ended",
                      shape_average),

@@ -89,8 +89,8 @@ double ludtke(const OpeningForceInputs& in) {
     const double left =
         1.0 / (1.0 + (in.initial_time > 0.0 ? start / ballistic_parameter(in, in.initial_time) : 0.0));
     const double ballistic = ballistic_parameter(in, in.filling_time - in.initial_time) / left;
-    const double later =
-        left * left * drag_only_peak({in.law, in.eta, in.table, in.exponent}, ballistic, 1.0);
+    const DragAreaGrowth growth{in.law, in.eta, in.table, in.exponent};
+    const double later = left * left * drag_only_peak(growth, ballistic, growth.end());  // with an overshoot
     return steady_drag(in) * std::max(start, later);
 }
 

@@ -53,7 +53,8 @@ std::filesystem::path table_file(const Values& v, std::string_view key) {
     if (!is_data_name(name))
         throw SceneError(v.place(key), std::string(key),
                          fmt::format("'{}' is not the name of a data file", name),
-                         "letters, digits, '-', '_', '.' and '/' only", "put the file beside the scene");
+                         "letters, digits, '-', '_', '.' and '/' only, from the scene's directory",
+                         "put the file beside the scene, or below");
     if (auto file = find_table_file(name, v.directory(key))) return *file;
     std::vector<std::string> places;
     for (const auto& where : data_directories(v.directory(key)))

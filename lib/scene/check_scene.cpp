@@ -76,11 +76,30 @@ void check_stop(const Scene& scene, const Values& values, const Complain& compla
                        "write at = \"ground\"");
 }
 
+/// The atmosphere of another planet: its gas is not said.
+std::optional<Warning> air_warning(const Environment& environment) {
+    constexpr double of_earth = 0.05;  // share by which its gravity may vary, from the equator up to 100 km
+    if (environment.atmosphere.table.altitude.empty() ||
+        std::abs(environment.gravity / standard_gravity - 1.0) < of_earth)
+        return {};
+    const bool by_gas_law = environment.atmosphere.table.beside == AirTable::Beside::pressure;
+    return Warning{
+        fmt::format("the gas of {} is taken for Earth's air", environment.atmosphere.table.file),
+        fmt::format(
+            "environment.gravity, {:.4g} m/s^2, is that of another planet; {}Mach numbers take R = 287.05 "
+            "J/(kg K) and a ratio of heats of 1.4",
+            environment.gravity, by_gas_law ? "densities from its pressures and " : ""),
+        by_gas_law
+            ? "give the table densities in place of pressures, and do not trust Mach numbers in another gas"
+            : "do not trust Mach numbers in another gas"};
+}
+
 /// Soundings seldom begin at the ground: that is no mistake, but it is said.
-void warn_of_wind(Scene& scene) {
+void warn_of_environment(Scene& scene) {
     const Environment& e = scene.environment;
     if (auto warning = wind_warning(e, e.ground, scene.release.altitude))
         scene.warnings.push_back(std::move(*warning));
+    if (auto warning = air_warning(e)) scene.warnings.push_back(std::move(*warning));
 }
 
 /// Checks the keys that this scene needs of the parachute whichever model runs it.
@@ -722,7 +741,7 @@ void check_scene(Scene& scene, const std::vector<Values>& values) {
     check_contact(scene, values.front(), complain);
     check_symmetry(scene, complain);
     check_tolerances(scene, complain);
-    warn_of_wind(scene);
+    warn_of_environment(scene);
     correct_drag_area(scene, complain);
 }
 

@@ -388,7 +388,7 @@ constexpr Key scene_rows[] = {
      .only_with = "extraction", .meaning = "pulls the parachute straight behind the release, until snatch at the latest",
      .source = "paper 2.1"},
     {.path = "parachute.deploy.duration", .binding = of_deploy<&Deployment::extraction, &ForceHistory::duration>, .unit = "s", .need = defaulted, .fallback = "36000", .range = above(0, 36000),
-     .only_with = "extraction", .meaning = "of that force, from release; beside a force_table it cuts it short"},
+     .only_with = "extraction", .meaning = "of that force, from where its parachute begins to deploy; beside a force_table it cuts it short"},
     {.path = "parachute.deploy.force_table", .binding = of_deploy<&Deployment::extraction, &ForceHistory::table>, .kind = csv_file, .need = optional, .fallback = "deploy.force",
      .instead_of = "parachute.deploy.force", .only_with = "extraction", .meaning = "columns time and force; none after its end"},
     {.path = "parachute.deploy.load", .binding = word_of<extraction_loads, &Parachute::deploy, &Deployment::extraction_on_apex>, .kind = word, .need = defaulted, .fallback = "point", .choices = words_in<extraction_loads>,

@@ -4,8 +4,10 @@
 
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "lib/math/vec.hpp"
+#include "lib/models/meridian.hpp"
 #include "lib/scene/drag_area.hpp"
 #include "lib/scene/needs.hpp"
 
@@ -27,20 +29,70 @@ constexpr SizeRow size_rows[] = {
     {"parachute.drag_area", 2, &Parachute::drag_area},
 };
 
-/// Mass [kg] of fabric, tapes, lines and risers; what a nominal area alone has to stand for, in m^2, where
-/// they are not all given. Only its ratio for two diameters is used.
-double mass_measure(const Parachute& p) {
+/// Fabric [kg] and seam [m], from vent to skirt, of gores that are cut as the meridian says.
+struct GoreMaterial {
+    double fabric = 0.0, seam = 0.0, skirt = 0.0;  ///< skirt: diameter [m]
+};
+
+GoreMaterial gore_material(const Parachute& p) {
+    constexpr int slices = 64;  // trapezoids, which a panel of constant slope is
+    const std::vector<GorePanel> panels = gore_panels(p);
+    const Meridian meridian = gore_meridian(p);
+    const double chord = 2.0 * p.gores * std::sin(pi / p.gores);  // of all gores, over the radius
+    const double vent = meridian.seam_at(polygon_radius(p.vent_diameter, p.gores));
+    GoreMaterial made;
+    double top = vent;
+    for (std::size_t i = 0; i < panels.size(); ++i) {
+        const double bottom = meridian.edges()[i];
+        const Fabric fabric = meshed_fabric(p, i);
+        MeridianPoint above = meridian.at(top);
+        for (int k = 1; !panels[i].gap && k <= slices; ++k) {
+            const MeridianPoint below = meridian.at(top + (bottom - top) * k / slices);
+            made.fabric += chord * 0.5 * (above.radius + below.radius) * (below.centre - above.centre) *
+                           fabric.density * fabric.thickness;
+            above = below;
+        }
+        top = bottom;
+    }
+    made.seam = meridian.length() - vent;
+    made.skirt = meridian.at(meridian.length()).radius * chord / pi;
+    return made;
+}
+
+GoreMaterial cross_material(const Parachute& p) {
+    const double arms = cross_arm_ratio(p), strip = cross_length(p.nominal_diameter, arms),
+                 width = arms * strip;
+    const Fabric middle = meshed_fabric(p, 0), arm = meshed_fabric(p, 1);
+    return {width * width * middle.density * middle.thickness +
+                2.0 * width * (strip - width) * arm.density * arm.thickness,
+            0.5 * strip, 4.0 / pi * strip};
+}
+
+GoreMaterial flat_material(const Parachute& p) {
     const double d = p.nominal_diameter, v = p.vent_diameter;
-    if (!missing_structure(p).empty() || !p.panel.empty()) return d * d;
-    const double fabric = 0.25 * pi * (has_open_middle(p) ? d * d : d * d - v * v);
-    const double arms = cross_arm_ratio(p);
-    const double strip = arms > 0.0 ? cross_length(d, arms) : 0.0;
-    const double across = arms > 0.0 ? strip : d - v;        // along two radial tapes
-    const double round = arms > 0.0 ? 4.0 / pi * strip : d;  // diameter of the skirt's tape
-    return fabric * p.fabric.density * meshed_fabric(p).thickness +
-           0.5 * p.gores * across * p.tapes.radial.linear_density() +
-           pi * (round * p.tapes.skirt.linear_density() + v * p.tapes.vent.linear_density()) +
-           (p.gores * p.line_length + p.risers * p.riser_length) * p.line.linear_density();
+    const Fabric fabric = meshed_fabric(p);
+    return {0.25 * pi * (d * d - v * v) * fabric.density * fabric.thickness, 0.5 * (d - v), d};
+}
+
+/// Mass [kg] of fabric, tapes, lines and risers, one strand of these for each line; what a nominal area alone
+/// has to stand for, in m^2, where they are not all given. Only its ratio for two diameters is used.
+double mass_measure(const Parachute& p) {
+    if (!missing_structure(p).empty()) return p.nominal_diameter * p.nominal_diameter;
+    const GoreMaterial made = cross_arm_ratio(p) > 0.0 ? cross_material(p)
+                              : gore_panels(p).empty() ? flat_material(p)
+                                                       : gore_material(p);
+    double vent_lines = 0.0;
+    if (p.vent_lines) {
+        const bool across = p.vent_lines->model == VentLines::Model::across;
+        const double vent = 0.5 * p.vent_diameter;
+        const Cord& cord = p.vent_lines->cord.name.empty() ? p.line : p.vent_lines->cord;
+        vent_lines = (across ? 0.5 : 1.0) * p.gores * vent_line_length(p, vent, vent + made.seam) *
+                     cord.linear_density();
+    }
+    return made.fabric + p.gores * made.seam * p.tapes.radial.linear_density() +
+           pi * (made.skirt * p.tapes.skirt.linear_density() +
+                 p.vent_diameter * p.tapes.vent.linear_density()) +
+           p.gores * (p.line_length + p.riser_length) * p.line.linear_density() + vent_lines;
 }
 
 }  // namespace

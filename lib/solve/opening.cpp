@@ -466,7 +466,7 @@ void warn_of_unsteady_descent(RunRecord& record, const Scene& scene,
                                  record.status.code == StatusCode::time_limit;
     if (!ended_by_itself || stop == full_open || stop == line_stretch || stop == peak_force) return;
     const bool has_landed = record.find_event("ground") != nullptr;
-    if (has_landed && all_are_cut(record, scene)) return;  // warn_of_cuts says what that means
+    if (has_landed && all_are_cut(record, scene)) return;  // warn_of_sequence says what that means
     const bool waits = last && last->is_steady();
     record.warnings.push_back({not_steady_within_run, unsteadiness_text(last),
                                waits        ? "check what that parachute waits for, or why it does not fill"

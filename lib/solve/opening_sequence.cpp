@@ -247,7 +247,17 @@ bool OpeningSequence::is_filled() const {
 }
 
 bool OpeningSequence::is_settled() const {
-    return waits_.empty() && is_quiet();
+    if (waits_.empty() || !is_quiet()) return is_quiet();
+    // The cut of the only parachute that is out leaves nothing to descend with.
+    const std::size_t only = all_[waits_.front().canopy].index;
+    return std::ranges::all_of(waits_, [&](const Wait& wait) { return wait.what == Wait::What::cut; }) &&
+           std::ranges::all_of(all_, [&](const Canopy& c) { return !c.is_out() || c.index == only; });
+}
+
+const Canopy* OpeningSequence::fills_itself() const {
+    const auto found =
+        std::ranges::find_if(all_, [](const Canopy& c) { return c.filling && is_filling(c) && !c.squids; });
+    return found == all_.end() ? nullptr : &*found;
 }
 
 bool OpeningSequence::any_waits_to_leave() const {
@@ -328,6 +338,7 @@ void OpeningSequence::act(const Wait& wait, const FlightState& now, std::vector<
     Canopy& c = all_[wait.canopy];
     switch (wait.what) {
         case Wait::What::deploy:
+            c.waited = now.time - wait.due;
             if (c.chute->deploy.starts_packed())
                 leaving_ = c.index;
             else
@@ -469,6 +480,7 @@ void OpeningSequence::serialize(Archive& archive) {
                              c.chute->drag_area_table ? &*c.chute->drag_area_table : nullptr);
         archive.number("snatch speed", c.snatch_speed);
         archive.number("snatch density", c.snatch_density);
+        archive.number("waited", c.waited);
         archive.flag("held", c.held);
     }
     const std::size_t max_waits = 8 * all_.size() + 8;

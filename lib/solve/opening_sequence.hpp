@@ -46,6 +46,7 @@ struct Canopy {
     double steady_radius = 0.0;  ///< R_0 [m]
     double porosity = 0.0;       ///< lambda_g [-]
     double snatch_speed = 0.0, snatch_density = 0.0;
+    double waited = 0.0;  ///< [s] beyond deploy.when, for another to leave its pack
     std::shared_ptr<const FillingCanopy> filling = {};  ///< null: its filling is prescribed
     FillingMotion bulb = {};                            ///< of a predicted filling: where it has come to
     bool squids = false;                                ///< its fabric lets out all that its mouth takes in
@@ -128,8 +129,12 @@ public:
     bool is_quiet() const;
     /// Nothing fills, and nothing will.
     bool is_filled() const;
-    /// No drag area changes, and none will.
+    /// No drag area changes, and none will, but for a cut of the last parachute.
     bool is_settled() const;
+    /// Nothing is waited for, not even a cut.
+    bool is_over() const { return waits_.empty(); }
+    /// A canopy whose filling is predicted, and which still grows; null: none does.
+    const Canopy* fills_itself() const;
     /// Whether any has yet to snatch.
     bool any_waits_to_leave() const;
 

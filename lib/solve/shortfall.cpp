@@ -54,7 +54,17 @@ void note_never_opened(RunRecord& record, const Scene& scene, const std::vector<
     status = {StatusCode::not_opened, status.detail + why};
 }
 
-void warn_of_cuts(RunRecord& record, const Scene& scene, const OpeningSequence& sequence) {
+void warn_of_sequence(RunRecord& record, const Scene& scene, const OpeningSequence& sequence) {
+    constexpr double at_once = 1e-6;  // [s] round-off of event times
+    for (const Canopy& c : sequence.all())
+        if (c.waited > at_once)
+            record.warnings.push_back(
+                {fmt::format("{} left its pack {:.4g} s later than its deploy.when says", c.chute->name,
+                             c.waited),
+                 "it waited for another to come out of its own: packs leave one after the other here, those "
+                 "due at "
+                 "one time in the order of the tables",
+                 "do not trust what the two do to each other, or deploy one of them later"});
     for (std::size_t p = 0; p < scene.parachutes.size(); ++p) {
         const bool early = std::ranges::any_of(sequence.all(), [&](const Canopy& c) {
             return c.index == p && c.state == Canopy::State::cut &&

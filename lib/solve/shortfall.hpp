@@ -37,9 +37,10 @@ struct Reached {
 void note_never_opened(RunRecord& record, const Scene& scene, const std::vector<NeverOpened>& unopened,
                        const Reached& reached);
 
-/// Warns of each parachute that was cut while it was still filling, or behind a reefing line: its peak is of
+/// Warns of each parachute that left its pack later than it should have, since another was on its way out; of
+/// each that was cut while it was still filling, or behind a reefing line: its peak is of
 /// no full canopy; and of a payload that comes to the ground when the last of them has been cut.
-void warn_of_cuts(RunRecord& record, const Scene& scene, const OpeningSequence& sequence);
+void warn_of_sequence(RunRecord& record, const Scene& scene, const OpeningSequence& sequence);
 
 /// Says of filling time, peak force and descent rate, by which two fidelities are judged, why the record
 /// lacks them: because the scene's own stop came before (not_reached), or because something went wrong. The

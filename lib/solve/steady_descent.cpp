@@ -259,7 +259,8 @@ std::string unsteadiness_text(const std::optional<DescentWindow>& last) {
         return fmt::format(
             "the skirt of its canopy turns {:g} times on its way around: fabric has passed through fabric",
             last->turns);
-    if (last->is_steady()) return "the fall was steady, but a parachute was not open, or not full";
+    if (last->is_steady())
+        return "the fall was steady, but a parachute was not open, not full, or still to be cut";
     if (std::abs(last->drift) >= steady_descent_change)
         return fmt::format("{} the mean of v sqrt(rho) drifts by {:.2g} % from one half to the other", over,
                            100.0 * last->drift);

@@ -114,6 +114,25 @@ TEST_F(SystemImport, ExportPrintsPythonOrWritesIt) {
     // of 8.53 m.
     EXPECT_TRUE(says(run({"export", shipped_scene("c9-cluster"), "--to", "rocketpy"}).out,
                      fmt::format("radius={:.6g},", 0.5 * 0.65 * 8.53 * std::cbrt(3.0))));
+    // A name as a metric has it, and the filling time of its last stage alone: RocketPy has no drag before.
+    const auto lag = [&](const Words& words) {
+        const std::string out = run(words).out;
+        return std::stod(out.substr(out.find("lag=") + 4));
+    };
+    std::string named = content_of(shipped_scene("rocket-dual-deploy"));
+    for (std::size_t at = 0; (at = named.find("drogue\"", at)) != std::string::npos; at += 10)
+        named.replace(at, 6, "The-Drogue");
+    here_.write("named.toml", named);
+    EXPECT_EQ(lag({"export", "named.toml", "--to", "rocketpy"}),
+              lag({"export", shipped_scene("rocket-dual-deploy"), "--to", "rocketpy"}));
+    const Words reefed{"rom", shipped_scene("capsule-reefed"), "--json"};
+    EXPECT_NEAR(lag({"export", shipped_scene("capsule-reefed"), "--to", "rocketpy"}),
+                json::parse(run(reefed).out)["metrics"]["stage_3_filling_time_s"].get<double>(), 1e-4);
+    // A map shows all of a flight that is handed over, to the ground.
+    EXPECT_TRUE(says(run({"export", shipped_scene("c9-drift"), "--to", "geojson", "--position=47,8", "--set",
+                          "stop={at='full-open',then='rom'}"})
+                         .out,
+                     "landing"));
     const Ended sonde = run({"export", shipped_scene("sonde"), "--to", "rocketpy"});
     EXPECT_EQ(sonde.code, 2);
     EXPECT_TRUE(says(sonde.err, "a condition that RocketPy does not have")) << sonde.err;

@@ -139,6 +139,15 @@ TEST_F(SystemReport, AnotherToleranceIsAnotherVerdictAndIsNotRemembered) {
     EXPECT_EQ(files("out"), before);
 }
 
+TEST_F(SystemReport, OptionsThatWouldDoNothingAreRefused) {
+    // A gate on the record of one model would never fail.
+    run({"compare", "scene.toml", "--quiet", "--out", "both"});
+    const Ended one = run({"report", "both/full", "--tolerance", "peak_force=1%"});
+    EXPECT_EQ(one.code, 2);
+    EXPECT_NE(one.err.find("is the record of one model"), std::string::npos) << one.err;
+    EXPECT_EQ(run({"report", "both/full"}).code, 0);
+}
+
 TEST_F(SystemReport, SaysWhereEachToleranceIsFrom) {
     run({"compare", "scene.toml", "--quiet", "--out", "out", "--tolerance", "max_force=0%", "--tolerance",
          "force_history=0%", "--set", "compare.tolerance.speed_history=500%", "--set",

@@ -276,5 +276,32 @@ TEST(CompareExit, FollowsTheWorstThatHappened) {
     EXPECT_EQ(exit_code(comparison), ExitCode::interrupted);
 }
 
+TEST(CompareGap, WhatOneHasFromTheOtherAloneIsNotCompared) {
+    // The rest of a full run, flown by rom: its descent rate against rom's is rom's against rom's. The place
+    // of the landing holds what the full model flew before.
+    const auto gap_of = [](const std::string& to, const Tolerances& asked) {
+        Comparison made = synthetic_comparison();
+        for (RunRecord* record : {&made.candidate, &made.reference}) {
+            record->add_metric("landing_east_m", 40.0);
+            record->handed_over = HandOver{to, 2.0, {"descent_rate_m_s", "landing_east_m"}};
+        }
+        return measure_gap(made.reference, made.candidate, asked);
+    };
+    const FidelityGap gap = gap_of("rom", {{"landing_east", {1.0, false}}});
+    EXPECT_EQ(find(gap, "descent_rate")->verdict, Verdict::not_reached);
+    EXPECT_FALSE(find(gap, "descent_rate")->reference);
+    EXPECT_TRUE(find(gap, "descent_rate")->candidate);
+    EXPECT_NE(find(gap, "descent_rate")->note.find("rom flew the rest from t = 2 s on"), std::string::npos);
+    EXPECT_EQ(find(gap, "landing_east")->verdict, Verdict::within);
+    EXPECT_EQ(find(gap_of("rom", {{"descent_rate", {0.1, true}}}), "descent_rate")->verdict,
+              Verdict::missing);
+    EXPECT_EQ(find(gap_of("third", {}), "descent_rate")->verdict, Verdict::not_reached);
+    // Histories end with the hand-over: 6 s of them without one.
+    for (const HistoryGap& history : gap.histories)
+        for (const PhaseScore& phase : history.phases)
+            EXPECT_LE(phase.to, 2.0);
+    EXPECT_FALSE(gap.histories.empty());
+}
+
 }  // namespace
 }  // namespace twinchute::compare

@@ -76,7 +76,7 @@ TEST(CompareTrend, AJudgedMetricThatIsGoneIsMissingAndANewOneHasNoPast) {
     EXPECT_EQ(gone.changes[0].verdict, Verdict::missing);
     EXPECT_EQ(overall_verdict(gone), Verdict::exceeded);
     EXPECT_NE(verdict_line(gone).find("rom snatch_force (gone)"), std::string::npos);
-    const Trend came = measure_trend(synthetic_comparison(), before, {{"snatch_force", {0.1, true}}});
+    const Trend came = measure_trend(synthetic_comparison(), before, {});
     EXPECT_EQ(overall_verdict(came), Verdict::within);
 }
 
@@ -111,6 +111,28 @@ TEST(CompareTrend, AToleranceOnWhatNoRecordHasFails) {
     EXPECT_EQ(overall_verdict(measure_trend(synthetic_comparison(), synthetic_comparison(),
                                             {{"force_history", {0.1, true}}})),
               Verdict::exceeded);
+}
+
+TEST(CompareTrend, ABaselineHasToHaveWhatIsAskedOfIt) {
+    Comparison before = synthetic_comparison();
+    for (RunRecord* record : {&before.candidate, &before.reference})
+        std::erase_if(record->metrics, [](const Metric& m) { return m.key == "descent_rate_m_s"; });
+    const Comparison now = synthetic_comparison();
+    EXPECT_EQ(overall_verdict(measure_trend(before, now, {})), Verdict::within);  // new
+    const Trend asked = measure_trend(before, now, {{"descent_rate", {0.1, true}}});
+    EXPECT_EQ(overall_verdict(asked), Verdict::exceeded);
+    EXPECT_NE(verdict_line(asked).find("rom descent_rate (not in the baseline)"), std::string::npos);
+}
+
+TEST(CompareTrend, ABaselineThatNothingIsHeldAgainstFails) {
+    Comparison before = synthetic_comparison(), now = synthetic_comparison();
+    for (RunRecord* record : {&before.candidate, &before.reference, &now.candidate, &now.reference})
+        record->metrics.clear();
+    before.gap = measure_gap(before.reference, before.candidate, {});
+    now.gap = measure_gap(now.reference, now.candidate, {});
+    const Trend trend = measure_trend(before, now, {});
+    EXPECT_EQ(trend.judged, 0u);
+    EXPECT_EQ(overall_verdict(trend), Verdict::exceeded);
 }
 
 TEST(CompareTrend, AToleranceMayBeOnAParachutesOwnMetric) {

@@ -184,6 +184,24 @@ TEST(CanopyShape, CountsHowOftenTheSkirtGoesAround) {
         EXPECT_EQ(shape.turns, times);
         EXPECT_NEAR(shape.seam_diameter, sound.seam_diameter, 1e-9);
     }
+    // Nodes that go back make a loop, of which the tangent turns once more: a small one, of 20 deg, leaves
+    // the canopy a canopy; one of 60 deg does not.
+    for (const auto& [back, turns] : {std::pair{20.0, 1.0}, {60.0, 2.0}}) {
+        State looped = open;
+        const auto& skirt = mesh.seam_rings.back();
+        const auto whole = static_cast<double>(skirt.size());
+        for (std::size_t k = 0; k < skirt.size(); ++k) {
+            // Forth by 180 deg, back by some, forth to the end, outward meanwhile so that the loop is open.
+            const double share = static_cast<double>(k) / whole, turned = back * pi / 180.0;
+            const double angle = share < 0.4   ? share / 0.4 * pi
+                                 : share < 0.6 ? pi - (share - 0.4) / 0.2 * turned
+                                               : pi - turned + (share - 0.6) / 0.4 * (pi + turned);
+            const double radius = share > 0.35 && share < 0.6 ? 3.0 - 4.0 * (share - 0.35) : 2.5;
+            looped.node[skirt[k]].x[0] = radius * std::cos(angle);
+            looped.node[skirt[k]].x[1] = radius * std::sin(angle);
+        }
+        EXPECT_EQ(canopy_shape(looped, mesh).turns, turns) << back;
+    }
     // Lines that share a node make it a corner once.
     Mesh doubled = mesh;
     auto& skirt = doubled.seam_rings.back();

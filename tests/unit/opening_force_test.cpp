@@ -153,6 +153,16 @@ TEST(OpeningForce, APayloadThatDoesNotSlowDownTakesTheFullDrag) {
     EXPECT_NEAR(form("ludtke").force(in) / drag, 1.0 - 2.0 * share / 1e4, 1e-8);
 }
 
+TEST(OpeningForce, AnOvershootIsPartOfTheScenesLaw) {
+    // A payload that does not slow down takes the largest drag area there is, 1.6 of the steady one after the
+    // canopy is full; 1e-4 of it by 2/A times the area under the table, below 1.
+    OpeningForceInputs in = with_ballistic(1e5);
+    const DragAreaTable table("t.csv", {0.0, 1.0, 1.2, 1.5}, {0.04, 1.0, 1.6, 1.0});
+    in.table = &table;
+    const double drag = 0.5 * in.density * in.speed * in.speed * in.drag_area;
+    EXPECT_NEAR(form("ludtke").force(in) / drag, 1.6, 1.6 * 2e-5);
+}
+
 TEST(OpeningForce, ALightPayloadFeelsItsPeakAtSnatch) {
     // A -> 0: it has stopped before the canopy grows, so that the drag at snatch is the largest.
     const OpeningForceInputs in = with_ballistic(1e-4);

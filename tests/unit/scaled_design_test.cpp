@@ -25,7 +25,7 @@ Scene of_12_m(std::vector<std::string> more = {}) {
 double mass_at(double diameter, double line, double riser) {
     const double cord = 462.0 * 0.25 * pi * 16e-6, vent = 0.1 * diameter;
     return 0.25 * pi * (diameter * diameter - vent * vent) * 0.0533 +
-           cord * (28 * 0.5 * (diameter - vent) + pi * (diameter + vent) + 28 * line + 4 * riser);
+           cord * (28 * 0.5 * (diameter - vent) + pi * (diameter + vent) + 28 * (line + riser));
 }
 
 bool warns(const Scene& scene, const std::string& of) {

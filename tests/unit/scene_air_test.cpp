@@ -120,6 +120,27 @@ TEST(Sounding, AboveItsLevelsKeepsTheTemperatureOfTheLast) {
     EXPECT_NEAR(air.at(-100.0).temperature, 290.4, 1e-12);
 }
 
+TEST(Sounding, OfAnotherPlanetIsTakenForEarthsAir) {
+    // R of carbon dioxide is 188.9 J/(kg K): densities from pressures are a third too low, and nothing else
+    // in the scene knows the gas.
+    ScratchDir here;
+    here.write("p.csv", "altitude,temperature,pressure\nm,K,Pa\n-100,210,610\n10000,190,240\n");
+    here.write("d.csv", "altitude,temperature,density\nm,K,kg/m3\n-100,210,0.0154\n10000,190,0.0067\n");
+    const auto warning = [&](const char* table, const char* gravity) -> std::string {
+        const Scene scene = read_scene_text(
+            edited(good_scene, "{ density = \"1.225 kg/m^3\" }", fmt::format("{{ table = \"{}\" }}", table)),
+            "test.toml", here.path(), {fmt::format("environment.gravity={}", gravity)});
+        for (const Warning& one : scene.warnings)
+            if (one.what.find("is taken for Earth's air") != std::string::npos) return one.why;
+        return "";
+    };
+    EXPECT_NE(warning("p.csv", "3.71").find("densities from its pressures and Mach numbers"),
+              std::string::npos);
+    EXPECT_EQ(warning("d.csv", "3.71").find("densities"), std::string::npos);
+    EXPECT_NE(warning("d.csv", "3.71"), "");
+    EXPECT_EQ(warning("p.csv", "9.78"), "");  // the equator
+}
+
 TEST(Sounding, ReachesTheSceneWithItsRange) {
     ScratchDir here;
     here.write("sounding.csv", "altitude,temperature,pressure\nm,K,hPa\n100,288,1000\n900,283,910\n");

@@ -1,4 +1,5 @@
 // A scene as it is read: values in SI, defaults from the table of keys, and where each came from.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <locale>
@@ -167,6 +168,21 @@ TEST(SceneValues, Tolerances) {
     EXPECT_DOUBLE_EQ(s.tolerances.at("descent_rate").value, 0.1524);
     EXPECT_DOUBLE_EQ(s.tolerances.at("max_deceleration").value, 0.5);  // in g0, the metric's unit
     EXPECT_FALSE(s.tolerances.at("peak_force_ratio").relative);
+    // UDUNITS-2 minds no case, and the blank at the end is none of the unit: shares, in any spelling.
+    for (const char* share : {"5 Percent", "5 % ", "5 PERCENT", " 5%"}) {
+        const auto read =
+            read_text(good_scene, {fmt::format("compare.tolerance.peak_force_ratio='{}'", share)});
+        EXPECT_TRUE(read.tolerances.at("peak_force_ratio").relative) << share;
+        EXPECT_DOUBLE_EQ(read.tolerances.at("peak_force_ratio").value, 0.05) << share;
+    }
+    // g0 is an acceleration, not the 0th power of a gram.
+    const auto deceleration = [](const char* text) {
+        return fmt::format("compare.tolerance.max_deceleration='{}'", text);
+    };
+    EXPECT_NEAR(
+        read_text(good_scene, {deceleration("9.80665 m/s^2")}).tolerances.at("max_deceleration").value, 1.0,
+        1e-12);
+    EXPECT_NE(complaint(good_scene, {deceleration("0.2 1")}), "");
 }
 
 TEST(SceneValues, DefaultsAreThoseOfTheTable) {

@@ -220,6 +220,16 @@ TEST(LargestLoads, PercentileOfUtilisationHoldsEachPanelAgainstItsOwnStrength) {
     };
     EXPECT_TRUE(advice(without).starts_with("give each fabric its strength")) << advice(without);
     EXPECT_TRUE(advice(alike).starts_with("take membrane_strength_margin_p90")) << advice(alike);
+    // Panels that all name one fabric are one sheet, of that fabric and not of parachute.fabric.
+    chute.panel[0].fabric = chute.panel[1].fabric;
+    chute.fabric.strength = 6000.0;
+    chute.panel[0].fabric.strength = chute.panel[1].fabric.strength = 1500.0;
+    const RunRecord one = test::run_full(scene);
+    for (const auto& [key, load] : {std::pair{"membrane_strength_margin", "max_membrane_stress_N_m"},
+                                    {"membrane_strength_margin_p90", "membrane_stress_p90_N_m"}}) {
+        const double expected = strength_margin(1500.0, chute.strength, *one.metric(load));
+        EXPECT_NEAR(one.metric(key).value_or(0.0), expected, 1e-12 * std::abs(expected)) << key;
+    }
 }
 
 TEST(LargestLoads, PercentilesOfSeveralCanopiesAreTheLargest) {

@@ -225,11 +225,12 @@ TEST(Sizing, AReefedOpeningIsBalanced) {
 
 TEST(Sizing, MassFollowsFabricTapesAndLines) {
     // From the C-9's own data: 53.3 g/m^2 of fabric, 5.806 g/m of cord in 28 radial tapes, skirt, vent, 28
-    // lines and 4 risers. Twice the diameter is four times the fabric and twice every cord.
+    // lines and the risers, a strand of these for each line. Twice the diameter is four times the fabric and
+    // twice every cord.
     Scene scene = read_text(good_scene);
     const double d = 8.53, v = 0.853, cord = 462.0 * 0.25 * pi * 16e-6;
     const double fabric = 0.25 * pi * (d * d - v * v) * 0.0533;
-    const double cords = cord * (28 * 0.5 * (d - v) + pi * (d + v) + 28 * 7.31 + 4 * 1.22);
+    const double cords = cord * (28 * 0.5 * (d - v) + pi * (d + v) + 28 * (7.31 + 1.22));
     rom::find_vary("nominal_diameter")->set(scene, 2.0 * d);
     const Parachute& p = scene.parachutes.front();
     EXPECT_NEAR(p.mass / (5.19 * (4.0 * fabric + 2.0 * cords) / (fabric + cords)), 1.0, 1e-12);
