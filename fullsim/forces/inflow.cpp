@@ -34,6 +34,10 @@ std::vector<NodeIndex> fabric_edge_through(const Mesh& mesh, NodeIndex first) {
 /// at 0.85 and more where the scene's D_p/D0 is not the mesh's own, or a dent stays.
 constexpr double smallest_settled = 0.7;
 
+/// Share of the full canopy's area by which folded fabric may face the air with its outside: five times what
+/// the crane drop of data/ has as its lines come taut.
+constexpr double folded_area = 0.01;
+
 /// Speed of the air that is pressed out of the mouth, over the airspeed, at which the search for it ends.
 constexpr double largest_outflow = 64.0;
 
@@ -140,8 +144,10 @@ Vec3 InflowBalance::set_pressure(SystemState& state, const ElementSums& of_canop
     inflow.ratio = inflow.leak = inflow.inside = inflow.loss = air.drag_area = 0.0;
     inflow.note_displaced(of_canopy.swept - area.dot(state.sums.canopy_area_velocity), state.dt, state.time);
     const double speed = (air.wind - open.velocity).dot(air.direction);
-    // A canopy that has turned over shows its outside to the air: its mouth takes none in.
-    if (!(speed > 0.0) || !(air.density > 0.0) || !(air.signed_area > 0.0)) return Vec3::Zero();
+    // A canopy that has turned over shows its outside to the air: its mouth takes none in. One that is folded
+    // as it comes from its pack may do so a little.
+    const bool has_turned_over = air.signed_area < -folded_area * full_area_;
+    if (!(speed > 0.0) || !(air.density > 0.0) || has_turned_over) return Vec3::Zero();
 
     const double rho = air.density, q = 0.5 * rho * speed * speed, supply = inflow.mouth * speed;
     const double filled = std::clamp(inflow.volume / full_volume_, 0.0, 1.0);
@@ -193,8 +199,9 @@ Vec3 InflowBalance::set_pressure(SystemState& state, const ElementSums& of_canop
     const double unpushed = open.gaps_sweep - open.gaps.dot(air.wind);
     inflow.loss =
         inflow.inside * (supply * (1.0 - inflow.ratio) + inflow.leak + unpushed) + outside * inflow.displaced;
-    if (air.dynamic_pressure > 0.0) air.drag_area = inflow.inside * air.signed_area / air.dynamic_pressure;
-    return inflow.inside * air.signed_area * air.direction - air.pressure * area;
+    const double dragged = std::max(0.0, air.signed_area);
+    if (air.dynamic_pressure > 0.0) air.drag_area = inflow.inside * dragged / air.dynamic_pressure;
+    return inflow.inside * dragged * air.direction - air.pressure * area;
 }
 
 InflowBalance::Inertance InflowBalance::inertance(const InflowState& inflow, double density) const {
