@@ -34,9 +34,10 @@ std::vector<NodeIndex> fabric_edge_through(const Mesh& mesh, NodeIndex first) {
 /// at 0.85 and more where the scene's D_p/D0 is not the mesh's own, or a dent stays.
 constexpr double smallest_settled = 0.7;
 
-/// Share of the full canopy's area by which folded fabric may face the air with its outside: five times what
-/// the crane drop of data/ has as its lines come taut.
-constexpr double folded_area = 0.01;
+/// Area that faces the air with its outside more than with its inside, over that which does with its inside,
+/// up to which fabric is folded: the crane drop of data/ has 0.2 as its lines come taut. A canopy that lies
+/// across the air has 0, one that is open and has turned over no fabric that faces it with its inside.
+constexpr double folded = 0.5;
 
 /// Speed of the air that is pressed out of the mouth, over the airspeed, at which the search for it ends.
 constexpr double largest_outflow = 64.0;
@@ -144,9 +145,9 @@ Vec3 InflowBalance::set_pressure(SystemState& state, const ElementSums& of_canop
     inflow.ratio = inflow.leak = inflow.inside = inflow.loss = air.drag_area = 0.0;
     inflow.note_displaced(of_canopy.swept - area.dot(state.sums.canopy_area_velocity), state.dt, state.time);
     const double speed = (air.wind - open.velocity).dot(air.direction);
-    // A canopy that has turned over shows its outside to the air: its mouth takes none in. One that is folded
-    // as it comes from its pack may do so a little.
-    const bool has_turned_over = air.signed_area < -folded_area * full_area_;
+    // A canopy that has turned over shows its outside to the air: its mouth takes none in. Of one that is
+    // folded as it comes from its pack nearly as much faces the air either way.
+    const bool has_turned_over = air.signed_area < -folded * air.projected_area;
     if (!(speed > 0.0) || !(air.density > 0.0) || has_turned_over) return Vec3::Zero();
 
     const double rho = air.density, q = 0.5 * rho * speed * speed, supply = inflow.mouth * speed;

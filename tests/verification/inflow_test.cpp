@@ -1,4 +1,5 @@
 // Filling that the full model predicts: the balance of the air in its mesh, and runs.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -190,32 +191,32 @@ TEST_F(Inflow, ACanopyThatHasTurnedOverHoldsNothing) {
 }
 
 TEST_F(Inflow, FoldedFabricFillsWhicheverWayALittleOfItFaces) {
-    // Air nearly across the axis of the canopy sees little of its area, and that from outside: 0.2 % of the
-    // full canopy's, as of one that comes from its pack, or 5 %, which has turned over.
-    const double full = pi * std::pow(steady_radius(scene_.parachutes.front()), 2);
-    solve(state_);
-    const double open = state_.air.signed_area;  // along the axis
-    for (const auto& [share, fills] : {std::pair{0.002, true}, {0.05, false}}) {
+    // Air nearly across the axis of the canopy meets as much of its inside as of its outside; 60 deg further
+    // it has turned over.
+    for (const auto& [sine, fills] : {std::pair{0.002, true}, {0.87, false}}) {
         State folded = state_;
-        const double sine = share * full / open;
         folded.air.direction = Vec3(std::sqrt(1.0 - sine * sine), 0.0, -sine);
         folded.air.wind = 20.0 * folded.air.direction;
         folded.inflow.steady_drag_area = 42.56;
         set_velocities(folded, nothing);
         solve(folded);
-        EXPECT_NEAR(folded.air.signed_area, -share * full, 1e-9 * full);
-        EXPECT_EQ(folded.air.pressure > 0.0, fills) << share;
-        EXPECT_EQ(folded.air.drag_area, 0.0) << share;
+        EXPECT_LT(folded.air.signed_area, 0.0) << sine;
+        EXPECT_EQ(folded.air.pressure > 0.0, fills) << sine;
+        EXPECT_EQ(folded.air.drag_area, 0.0) << sine;
     }
 }
 
 TEST(InflowFromThePack, Fills) {
-    // Fabric that leaves its pack faces the air either way. docs/theory/filling.md: full at 1.4 to 1.6 s.
-    const RunRecord record = test::run_full(
-        read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/paper/crane-drop.toml",
-                   {"parachute.filling={model='predicted',initial_mouth=0.02}", "stop.at='full-open'"}));
-    ASSERT_NE(record.find_event("full-open"), nullptr) << record.status.detail;
-    EXPECT_NEAR(record.find_event("full-open")->time - record.find_event("snatch")->time, 1.5, 0.3);
+    // Fabric that leaves its pack faces the air either way, for as long as a small mouth takes to fill it.
+    // docs/theory/filling.md: full within 1.9 to 2.0 and 1.4 to 1.6 s.
+    for (const auto& [mouth, time] : {std::pair{0.01, 1.95}, {0.02, 1.5}}) {
+        const RunRecord record = test::run_full(
+            read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/paper/crane-drop.toml",
+                       {fmt::format("parachute.filling={{model='predicted',initial_mouth={}}}", mouth),
+                        "stop.at='full-open'"}));
+        ASSERT_NE(record.find_event("full-open"), nullptr) << record.status.detail;
+        EXPECT_NEAR(record.find_event("full-open")->time - record.find_event("snatch")->time, time, 0.3);
+    }
 }
 
 TEST_F(Inflow, PressureFallsAsTheCanopyGrowsFaster) {
