@@ -81,8 +81,10 @@ double mass_measure(const Parachute& p) {
     const GoreMaterial made = cross_arm_ratio(p) > 0.0 ? cross_material(p)
                               : gore_panels(p).empty() ? flat_material(p)
                                                        : gore_material(p);
+    if (!std::isfinite(made.fabric)) return p.nominal_diameter * p.nominal_diameter;  // no vent that fits
     double vent_lines = 0.0;
-    if (p.vent_lines) {
+    if (p.vent_lines && (p.vent_lines->length || p.vent_lines->pull_down_ratio ||
+                         p.vent_lines->model == VentLines::Model::across)) {
         const bool across = p.vent_lines->model == VentLines::Model::across;
         const double vent = 0.5 * p.vent_diameter;
         const Cord& cord = p.vent_lines->cord.name.empty() ? p.line : p.vent_lines->cord;

@@ -62,8 +62,7 @@ void warn_of_sequence(RunRecord& record, const Scene& scene, const OpeningSequen
                 {fmt::format("{} left its pack {:.4g} s later than its deploy.when says", c.chute->name,
                              c.waited),
                  "it waited for another to come out of its own: packs leave one after the other here, those "
-                 "due at "
-                 "one time in the order of the tables",
+                 "due at one time in the order of the tables",
                  "do not trust what the two do to each other, or deploy one of them later"});
     for (std::size_t p = 0; p < scene.parachutes.size(); ++p) {
         const bool early = std::ranges::any_of(sequence.all(), [&](const Canopy& c) {
