@@ -83,7 +83,8 @@ TEST_F(SystemRecords, HostileNamesOfScenesAreEscapedInEveryFile) {
     const Ended ended = run({"compare", "a&b<c>'|`.toml", "--out", "out"});
     EXPECT_EQ(ended.err, "");
     EXPECT_EQ(ended.out.find('\x1b'), std::string::npos);
-    run({"compare", "a&b<c>'|`.toml", "--quiet", "--out", "out", "--baseline", "out"});
+    run({"compare", "a&b<c>'|`.toml", "--quiet", "--out", "old"});
+    run({"compare", "a&b<c>'|`.toml", "--quiet", "--out", "out", "--baseline", "old"});
     run({"report", "out", "--quiet", "--out", "table"});
     for (const char* file : {"out/report.md", "out/trend.md", "out/junit.xml", "out/force.svg",
                              "out/speed.svg", "table/report.md"}) {
@@ -247,7 +248,7 @@ TEST_F(SystemRecords, AreWhatTheSchemasSay) {
     const std::string opening = shipped_scene("c9-inflation");
     run({"compare", opening, "--quiet", "--out", "whole", "--set", "full.mesh.gore_columns=1", "--set",
          "full.mesh.gore_rows=4"});
-    here_.write("trend.json", run({"compare", "scene.toml", "--json", "--out", "out", "--set",
+    here_.write("trend.json", run({"compare", "scene.toml", "--json", "--out", "new", "--set",
                                    "payload.mass=160 kg", "--baseline", "out"})
                                   .out);
     run({"compare", "scene.toml", "--quiet", "--out", "broken", "--set", "full.strain_limit=1e-6"});
