@@ -1,7 +1,6 @@
 #include "compare/baseline.hpp"
 
 #include <fmt/format.h>
-
 #include <nlohmann/json.hpp>
 
 #include "compare/records.hpp"
@@ -36,7 +35,7 @@ Baseline::Baseline(const Arguments& arguments, const std::vector<Scene>& scenes,
     };
     const std::filesystem::path out =
         real(arguments.value("out").value_or(default_output_dir(arguments.operand).string()));
-    if (!arguments.has("check") && real(*directory_) == out)
+    if (real(*directory_) == out)
         throw UsageError(fmt::format(
             "--baseline '{}' is where the results go (they would be the baseline of the next run), "
             "keep it elsewhere, or write the results to another directory with --out",

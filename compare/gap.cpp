@@ -41,9 +41,10 @@ const MissingMetric* missing_in(const RunRecord& record, std::string_view key) {
     return found == record.missing.end() ? nullptr : &*found;
 }
 
-/// Whether it is no fault of a side that it has no value: it has one, or the scene stopped before.
-bool is_excused(const std::optional<SideValue>& side, const MissingMetric* missing) {
-    return side || (missing && missing->not_reached);
+/// Whether it is no fault of a side that it has no value: it has one, or the scene stopped before, or handed
+/// over to the other's fidelity.
+bool is_excused(const std::optional<SideValue>& side, const MissingMetric* missing, bool borrowed) {
+    return side || borrowed || (missing && missing->not_reached);
 }
 
 Verdict judge(const MetricGap& gap, bool excused, double zero) {
@@ -210,13 +211,9 @@ FidelityGap measure_gap(const RunRecord& reference, const RunRecord& candidate,
             metric.difference = metric.candidate->value - metric.reference->value;
             metric.relative = relative_difference(metric.candidate->value, metric.reference->value, zero);
         }
-        // A scene that hands over stops before, as far as the model that hands over goes.
-        const auto handed_over = [&](const RunRecord& record, const RunRecord& other) {
-            return is_borrowed(record, other, row.key);
-        };
         const bool excused =
-            (is_excused(metric.reference, of_reference) || handed_over(reference, candidate)) &&
-            (is_excused(metric.candidate, of_candidate) || handed_over(candidate, reference));
+            is_excused(metric.reference, of_reference, is_borrowed(reference, candidate, row.key)) &&
+            is_excused(metric.candidate, of_candidate, is_borrowed(candidate, reference, row.key));
         metric.verdict = both_ended ? judge(metric, excused, zero) : Verdict::not_judged;
         metric.note = note_of(metric, reference, candidate);
         gap.metrics.push_back(std::move(metric));

@@ -161,9 +161,10 @@ private:
             if (const Canopy* fills = sequence_.fills_itself()) {
                 refusal_ = {
                     StatusCode::refused,
-                    fmt::format("{} still fills while {} leaves its pack (this model predicts a filling of "
-                                "canopies above one body alone), deploy {} later, or give {} a fill_time",
-                                fills->chute->name, chute_.name, chute_.name, fills->chute->name)};
+                    fmt::format(
+                        "{} still fills while {} leaves its pack (a predicted filling is followed above "
+                        "one body, not above two that move apart), deploy {} later, or give {} a fill_time",
+                        fills->chute->name, chute_.name, chute_.name, fills->chute->name)};
                 return IntegrationSegment::reached_end;
             }
             const auto corner = std::ranges::upper_bound(corners_, solver.time());

@@ -45,9 +45,9 @@ public:
     std::vector<RunView> canopy_views() const;
     std::vector<RunView> parachute_views() const;
 
-    /// Canopies of the cluster that have come since the last call.
+    /// Takes in the canopies that have joined the cluster since the last call.
     void add_canopies();
-    /// The observer of all learns what the payload weighs now.
+    /// Tells the observer of all what the payload weighs now.
     void weigh_payload();
 
     /// Looks at the forces that have just been evaluated; takes rows and shapes that are due.
@@ -57,7 +57,7 @@ public:
     /// The last row of a parachute that is cut now.
     void observe_cut(std::size_t first);
 
-    /// A check found everything sound so far; a check found something wrong, and what came since is dropped.
+    /// Marks all so far as sound, as a check has found it; drops what has come since the last such check.
     void accept();
     void forget();
     /// Gives rows and shapes that have come since, and that are sound, to who watches the run.
@@ -71,7 +71,7 @@ public:
     /// all canopies of the parachute have come to it; the end of the initial phase with the first of them.
     /// Adds such an event, and returns whether it is one.
     bool happened(std::size_t k, const char* name);
-    /// The parachute that canopy k is one of is disreefed.
+    /// Begins the next stage of the parachute that canopy k is one of.
     void disreefed(std::size_t k);
     /// [s] the shortest initial phase of its canopies.
     double initial_phase(std::size_t k) const;
@@ -84,12 +84,13 @@ public:
     /// Settles everything, with a row of the end where `is_sound`, and gives the shapes away. No observation
     /// follows.
     void finish(bool is_sound);
-    /// Adds what is no view's: loads of slings.
+    /// Adds the loads of slings.
     void fill(RunRecord& record) const {
         if (slings_) slings_->fill(record);
     }
 
-    /// The parts that the constructor makes anew are left out. While no field waits to be accepted.
+    /// Saves or restores, without the parts that the constructor makes anew, while no field waits to be
+    /// accepted.
     void serialize(Archive& archive);
 
 private:

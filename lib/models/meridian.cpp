@@ -13,7 +13,8 @@ double polygon_radius(double circle_diameter, int sides) {
     return circle_diameter * std::sqrt(0.5 * pi / (sides * std::sin(2.0 * pi / sides)));
 }
 
-Meridian::Meridian(std::span<const GorePanel> panels, int gores, double area) : half_angle_(pi / gores) {
+Meridian::Meridian(std::span<const GorePanel> panels, int gores, double area)
+    : gores_(gores), half_angle_(pi / gores) {
     // At unit length first: the area grows with its square.
     double whole = 0.0, unit_area = 0.0;
     for (const GorePanel& panel : panels)
@@ -27,17 +28,8 @@ Meridian::Meridian(std::span<const GorePanel> panels, int gores, double area) : 
         for (const GorePanel& panel : panels) {
             const double length = panel.length * scale;
             const Piece piece{seam, panel.top, (panel.bottom - panel.top) / length, end};
-            const double width = 2.0 * gores * std::sin(half_angle_);  // of all chords over their radius
             end = within(piece, length);
-            unit_area +=
-                piece.rate == 0.0
-                    ? 0.5 * width * (piece.start.radius + end.radius) * (end.centre - piece.start.centre)
-                    : width * integral(
-                                  [&](double along) {
-                                      return within(piece, along).radius *
-                                             centre_rate(piece.top + piece.rate * along);
-                                  },
-                                  length);
+            unit_area += area_of(piece, 0.0, length);
             pieces_.push_back(piece);
             edges_.push_back(seam += length);
         }
@@ -63,6 +55,25 @@ MeridianPoint Meridian::at(double seam) const {
     while (panel + 1 < pieces_.size() && seam > edges_[panel])
         ++panel;
     return within(pieces_[panel], seam - pieces_[panel].seam);
+}
+
+double Meridian::area(double from, double to) const {
+    std::size_t panel = 0;
+    while (panel + 1 < pieces_.size() && to > edges_[panel])
+        ++panel;
+    return area_of(pieces_[panel], from - pieces_[panel].seam, to - from);
+}
+
+double Meridian::area_of(const Piece& piece, double from, double length) const {
+    const double width = 2.0 * gores_ * std::sin(half_angle_);  // of all chords over their radius
+    const MeridianPoint begin = within(piece, from), end = within(piece, from + length);
+    if (piece.rate == 0.0) return 0.5 * width * (begin.radius + end.radius) * (end.centre - begin.centre);
+    return width * integral(
+                       [&](double along) {
+                           return within(piece, from + along).radius *
+                                  centre_rate(piece.top + piece.rate * (from + along));
+                       },
+                       length);
 }
 
 double Meridian::seam_at(double radius) const {

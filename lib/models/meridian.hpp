@@ -30,6 +30,8 @@ public:
     MeridianPoint at(double seam) const;
     /// Lower edges of the panels along the seam, the skirt last [m].
     const std::vector<double>& edges() const { return edges_; }
+    /// Area [m^2] of all gores between two distances along the seam, both of one panel.
+    double area(double from, double to) const;
     /// Distance along the seam to a radius of the first panel [m]; NaN where that panel ends before.
     double seam_at(double radius) const;
 
@@ -38,9 +40,11 @@ private:
         double seam, top, rate;  ///< [m], [rad], [rad/m]
         MeridianPoint start;
     };
+    double area_of(const Piece& piece, double from, double length) const;
     MeridianPoint within(const Piece& piece, double along) const;
     double centre_rate(double slope) const;
 
+    int gores_;
     double half_angle_;          ///< pi/gores [rad]
     std::vector<Piece> pieces_;  ///< one for each panel
     std::vector<double> edges_;

@@ -206,22 +206,15 @@ bool has_gaps(const Parachute& chute) {
 
 double gap_share(const Parachute& chute) {
     if (!has_gaps(chute)) return 0.0;
-    constexpr int slices = 64;                  // trapezoids, which a panel of constant slope is
     constexpr int as_round_as_a_circle = 4000;  // gores, where the scene gives none: within 1e-6
     const std::vector<GorePanel> panels = gore_panels(chute);
     Parachute cut = chute;
     if (cut.gores == 0) cut.gores = as_round_as_a_circle;
     const Meridian meridian = gore_meridian(cut);
-    const double chord = 2.0 * cut.gores * std::sin(pi / cut.gores);  // of all gores, over the radius
     double area = 0.0, top = 0.0;
     for (std::size_t i = 0; i < panels.size(); ++i) {
         const double bottom = meridian.edges()[i];
-        MeridianPoint above = meridian.at(top);
-        for (int k = 1; panels[i].gap && k <= slices; ++k) {
-            const MeridianPoint below = meridian.at(top + (bottom - top) * k / slices);
-            area += chord * 0.5 * (above.radius + below.radius) * (below.centre - above.centre);
-            above = below;
-        }
+        if (panels[i].gap) area += meridian.area(top, bottom);
         top = bottom;
     }
     return area / (0.25 * pi * chute.nominal_diameter * chute.nominal_diameter);

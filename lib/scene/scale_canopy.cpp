@@ -35,27 +35,18 @@ struct GoreMaterial {
 };
 
 GoreMaterial gore_material(const Parachute& p) {
-    constexpr int slices = 64;  // trapezoids, which a panel of constant slope is
     const std::vector<GorePanel> panels = gore_panels(p);
     const Meridian meridian = gore_meridian(p);
-    const double chord = 2.0 * p.gores * std::sin(pi / p.gores);  // of all gores, over the radius
     const double vent = meridian.seam_at(polygon_radius(p.vent_diameter, p.gores));
-    GoreMaterial made;
+    const double chords = 2.0 * p.gores * std::sin(pi / p.gores);  // of all gores, over the radius
+    GoreMaterial made{0.0, meridian.length() - vent, meridian.at(meridian.length()).radius * chords / pi};
     double top = vent;
     for (std::size_t i = 0; i < panels.size(); ++i) {
         const double bottom = meridian.edges()[i];
         const Fabric fabric = meshed_fabric(p, i);
-        MeridianPoint above = meridian.at(top);
-        for (int k = 1; !panels[i].gap && k <= slices; ++k) {
-            const MeridianPoint below = meridian.at(top + (bottom - top) * k / slices);
-            made.fabric += chord * 0.5 * (above.radius + below.radius) * (below.centre - above.centre) *
-                           fabric.density * fabric.thickness;
-            above = below;
-        }
+        if (!panels[i].gap) made.fabric += meridian.area(top, bottom) * fabric.density * fabric.thickness;
         top = bottom;
     }
-    made.seam = meridian.length() - vent;
-    made.skirt = meridian.at(meridian.length()).radius * chord / pi;
     return made;
 }
 

@@ -26,6 +26,8 @@ TEST(Meridian, AConeIsAPyramidOfTheArea) {
             const double seam =
                 std::sqrt(area / (gores * std::sin(pi / gores) * std::cos(angle) * slant(angle, gores)));
             EXPECT_NEAR(meridian.length(), seam, 1e-13 * seam);
+            EXPECT_NEAR(meridian.area(0.0, seam), area, 1e-12 * area);  // and of similar triangles a quarter
+            EXPECT_NEAR(meridian.area(0.5 * seam, seam), 0.75 * area, 1e-12 * area);
             const MeridianPoint half = meridian.at(0.5 * seam);
             EXPECT_NEAR(half.radius, 0.5 * seam * std::cos(angle), 1e-13);
             EXPECT_NEAR(half.depth, 0.5 * seam * std::sin(angle), 1e-13);
@@ -74,6 +76,9 @@ TEST(Meridian, AHemisphereIsOfCylinders) {
         EXPECT_NEAR(point.radius, 0.5 * R, 1e-12 * R);
         EXPECT_NEAR(point.depth, (1.0 - std::sqrt(0.75)) * R, 1e-12 * R);
         EXPECT_NEAR(meridian.seam_at(0.5 * R), 30.0 * degree * R, 1e-12 * R);
+        EXPECT_NEAR(meridian.area(0.0, meridian.length()), area, 1e-12 * area);
+        EXPECT_NEAR(meridian.area(0.0, 0.3 * R) + meridian.area(0.3 * R, meridian.length()), area,
+                    1e-12 * area);
     }
 }
 
