@@ -15,8 +15,8 @@ namespace {
 using namespace test;
 
 /// Drogue and main of data/, with these keys in place of theirs.
-Scene drogue_then_main(std::vector<std::string> keys) {
-    return read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/c9-drogue.toml", std::move(keys));
+Scene drogue_then_main(const std::vector<std::string>& keys) {
+    return read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/c9-drogue.toml", keys);
 }
 
 bool says(const RunRecord& record, std::string_view what) {
