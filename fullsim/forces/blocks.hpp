@@ -35,6 +35,7 @@ inline constexpr int block_count = static_cast<int>(Block::mass_damping) + 1;
 std::string_view block_name(Block block);
 
 class ForceModel;
+struct State;
 
 std::unique_ptr<const ForceModel> make_membrane(const Mesh& mesh, double bulk_viscosity);
 /// Fabric as springs and dashpots along its edges (paper, 2.1). repulsion: of folded fabric over its
@@ -46,6 +47,9 @@ struct CableConstants {
     double stiffness, dashpot;
 };
 CableConstants cable_constants(const Mesh& mesh, const Cable& cable, double bulk_viscosity, double beta);
+double cable_strain(const State& state, const Cable& cable);  ///< engineering [-]
+/// [N] in each of a cable's strands, elastic; none where it is slack.
+double strand_tension(const State& state, const Mesh& mesh, const Cable& cable);
 /// All that a mesh has, tapes alone, or lines and risers alone.
 std::unique_ptr<const ForceModel> make_cable(const Mesh& mesh, double bulk_viscosity, double beta = 0.0);
 std::unique_ptr<const ForceModel> make_tapes(const Mesh& mesh, double bulk_viscosity, double beta);

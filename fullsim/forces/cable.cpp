@@ -90,14 +90,14 @@ public:
     double energy(const State& state) const override {
         double total = 0.0;
         for (const Cable& c : cables_)
-            total += stiffness(c) * c.rest_length * law::cable_energy(strain(state, c));
+            total += stiffness(c) * c.rest_length * law::cable_energy(cable_strain(state, c));
         return total;
     }
 
     StrainExtremum extreme(const State& state) const override {
         StrainExtremum most{-1.0};
         for (std::size_t i = 0; i < cables_.size(); ++i) {
-            const double e = strain(state, cables_[i]);
+            const double e = cable_strain(state, cables_[i]);
             if (e > most.strain) most = {e, i};
         }
         return most;
@@ -129,11 +129,6 @@ private:
     double stiffness(const Cable& c) const { return mesh_.cord(c.kind).axial_stiffness() * c.strands; }
     double dashpot(const Cable& c) const { return cable_constants(mesh_, c, bulk_viscosity_, beta_).dashpot; }
 
-    static double strain(const State& state, const Cable& c) {
-        const Vec3 d = to_vec3(state.node[c.node[1]].x) - to_vec3(state.node[c.node[0]].x);
-        return law::span_strain(1.0 / c.rest_length, d);
-    }
-
     const Mesh& mesh_;
     std::span<const Cable> cables_;
     std::size_t first_ = 0;  // of them in the mesh
@@ -150,6 +145,15 @@ CableConstants cable_constants(const Mesh& mesh, const Cable& c, double bulk_vis
     const double stiffness = cord.axial_stiffness() * c.strands;
     const double impedance = std::sqrt(cord.youngs_modulus * cord.density) * cord.section() * c.strands;
     return {stiffness, bulk_viscosity * impedance + beta * stiffness / c.rest_length};
+}
+
+double cable_strain(const State& state, const Cable& c) {
+    const Vec3 d = to_vec3(state.node[c.node[1]].x) - to_vec3(state.node[c.node[0]].x);
+    return law::span_strain(1.0 / c.rest_length, d);
+}
+
+double strand_tension(const State& state, const Mesh& mesh, const Cable& c) {
+    return std::max(0.0, mesh.cord(c.kind).axial_stiffness() * cable_strain(state, c));
 }
 
 std::unique_ptr<const ForceModel> make_cables(const Mesh& mesh, const std::vector<Cable>& cables, Block block,

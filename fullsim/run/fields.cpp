@@ -7,12 +7,15 @@
 #include <limits>
 #include <string>
 
+#include "fullsim/forces/blocks.hpp"
+
 namespace twinchute::fullsim {
 namespace {
 
 constexpr int cable_kinds = 5;
 constexpr std::int8_t fabric_kind = 0, first_cable_kind = 1, payload_kind = first_cable_kind + cable_kinds,
-                      vent_line_kind = first_cable_kind + static_cast<int>(CableKind::vent_line);
+                      vent_line_kind = first_cable_kind + static_cast<int>(CableKind::vent_line),
+                      reefing_line_kind = vent_line_kind + 1;
 constexpr std::int8_t no_state = -1;
 
 std::int8_t state_number(FabricState state) {
@@ -38,12 +41,13 @@ std::string legend() {
 
 std::span<const std::string_view> cell_kind_names() {
     static const auto names = [] {
-        std::array<std::string_view, vent_line_kind + 1> all;
+        std::array<std::string_view, reefing_line_kind + 1> all;
         all[fabric_kind] = "fabric";
         for (int i = 0; i < cable_kinds; ++i)
             all[first_cable_kind + i] = cable_kind_name(static_cast<CableKind>(i));
         all[payload_kind] = "payload";
         all[vent_line_kind] = cable_kind_name(CableKind::vent_line);
+        all[reefing_line_kind] = "reefing line";
         return all;
     }();
     return names;
@@ -59,11 +63,14 @@ VtuGrid mesh_grid(const Mesh& mesh) {
         grid.add_cell(VtuCell::triangle, t.node);
         kind.push_back(fabric_kind);
     }
-    for (const Cable& c : mesh.cables) {
+    for (std::size_t i = 0; i < mesh.cables.size(); ++i) {
+        const Cable& c = mesh.cables[i];
         // Risers are drawn to the middle of a body.
         grid.add_cell(VtuCell::line,
                       std::array{std::min(c.node[0], mesh.payload()), std::min(c.node[1], mesh.payload())});
-        kind.push_back(static_cast<std::int8_t>(first_cable_kind + static_cast<int>(c.kind)));
+        kind.push_back(std::ranges::binary_search(mesh.reefing_line, i)
+                           ? reefing_line_kind
+                           : static_cast<std::int8_t>(first_cable_kind + static_cast<int>(c.kind)));
     }
     grid.add_cell(VtuCell::vertex, std::array{mesh.payload()});
     kind.push_back(payload_kind);
@@ -121,14 +128,9 @@ VtuGrid field_frame(const VtuGrid& of_mesh, const Mesh& mesh, const State& state
     states.resize(cells, no_state);
     grid.cell_data.push_back({"wrinkling_state", 1, std::move(states)});
 
-    const auto strain_of = [&](const Cable& c) {
-        const Vec3 span = to_vec3(state.node[c.node[1]].x) - to_vec3(state.node[c.node[0]].x);
-        return span.norm() / c.rest_length - 1.0;
-    };
-    add_cell_data(grid, mesh, "cable_tension_N", {}, [&](const Cable& c) {
-        return std::max(0.0, mesh.cord(c.kind).axial_stiffness() * c.strands * strain_of(c));
-    });
-    add_cell_data(grid, mesh, "cable_strain", {}, strain_of);
+    add_cell_data(grid, mesh, "cable_tension_N", {},
+                  [&](const Cable& c) { return c.strands * strand_tension(state, mesh, c); });
+    add_cell_data(grid, mesh, "cable_strain", {}, [&](const Cable& c) { return cable_strain(state, c); });
     add_cell_data(grid, mesh, "pressure_Pa", [&](const Triangle&) { return state.air.pressure; }, {});
     return grid;
 }

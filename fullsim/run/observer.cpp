@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "fullsim/body.hpp"
+#include "fullsim/forces/blocks.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -130,6 +131,18 @@ double stress_p90(const State& state, const Mesh& mesh, std::span<const Membrane
     return found;
 }
 
+CordTensions cord_tensions(const State& state, const Mesh& mesh, const CordTensions& found) {
+    CordTensions most = found;
+    for (std::size_t c = 0; c < mesh.cables.size(); ++c) {
+        const Cable& cable = mesh.cables[c];
+        const bool reefs = std::ranges::binary_search(mesh.reefing_line, c);
+        for (std::size_t k = 0; k < most.size(); ++k)
+            if (cord_groups[k].kind == cable.kind && cord_groups[k].reefs == reefs)
+                most[k] = std::max(most[k], strand_tension(state, mesh, cable));
+    }
+    return most;
+}
+
 void thin_out(std::vector<Channel>& channels, double output_rate) {
     if (channels.empty()) return;
     const std::vector<double>& time = channels.front().values;
@@ -162,6 +175,8 @@ HistoryRow row_of_all(std::span<const HistoryRow> rows) {
         if (std::abs(row.turns - 1.0) > std::abs(all.turns - 1.0)) all.turns = row.turns;
         all.stress_p90 = std::max(all.stress_p90, row.stress_p90);
         all.utilisation_p90 = std::max(all.utilisation_p90, row.utilisation_p90);
+        for (std::size_t k = 0; k < all.tension.size(); ++k)
+            all.tension[k] = std::max(all.tension[k], row.tension[k]);
     }
     for (auto mean : {&HistoryRow::dynamic_pressure, &HistoryRow::pressure, &HistoryRow::airspeed,
                       &HistoryRow::seam_diameter, &HistoryRow::depth, &HistoryRow::inflow_ratio})
@@ -231,6 +246,7 @@ void Observer::add_row(const State& state) {
     row.mouth_area = state.inflow.mouth;
     row.inflow_ratio = state.inflow.ratio;
     row.stress_p90 = stress_p90(state, mesh_, laws_, rows_.empty() ? 0.0 : rows_.back().stress_p90, sectors_);
+    row.tension = cord_tensions(state, mesh_, rows_.empty() ? CordTensions{} : rows_.back().tension);
     row.utilisation_p90 = 0.0;
     if (!strengths_.empty())
         row.utilisation_p90 = stress_p90(
@@ -356,7 +372,8 @@ void Observer::serialize(Archive& archive) {
     archive.rows("rows", rows_, [](HistoryRow& row, auto&& each) {
         auto& [time, position, velocity, force, force_raw, acceleration, drag_area, dynamic_pressure,
                pressure, airspeed, projected_area, signed_area, added_mass, seam_diameter, depth, turns,
-               density, volume, mouth_area, inflow_ratio, stress_p90, utilisation_p90, tilt, impulse] = row;
+               density, volume, mouth_area, inflow_ratio, stress_p90, utilisation_p90, tension, tilt,
+               impulse] = row;
         each(position), each(velocity);
         for (double* x :
              {&time,       &force,           &force_raw,      &acceleration, &drag_area,  &dynamic_pressure,
@@ -364,6 +381,8 @@ void Observer::serialize(Archive& archive) {
               &depth,      &turns,           &density,        &volume,       &mouth_area, &inflow_ratio,
               &stress_p90, &utilisation_p90, &tilt,           &impulse})
             each(*x);
+        for (double& of_group : tension)
+            each(of_group);
     });
     archive.whole("unsettled", unsettled_, 0, rows_.size());
     force_.serialize(archive);

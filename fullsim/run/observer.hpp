@@ -1,6 +1,7 @@
 // Observations of a full run: history rows, filtered and raw force maxima, canopy shape.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <optional>
 #include <span>
@@ -12,6 +13,21 @@
 #include "lib/record/run_record.hpp"
 
 namespace twinchute::fullsim {
+
+/// Cords whose tension is a metric, suspension lines apart: of a tape, of vent lines, the reefing line.
+struct CordGroup {
+    CableKind kind;
+    bool reefs;
+    const char* metric;
+    const char* name;
+};
+inline constexpr std::array cord_groups{
+    CordGroup{CableKind::radial, false, "max_radial_tape_tension_N", "radial tapes"},
+    CordGroup{CableKind::skirt, false, "max_skirt_tape_tension_N", "the skirt's tape"},
+    CordGroup{CableKind::vent, false, "max_vent_tape_tension_N", "the vent's tape"},
+    CordGroup{CableKind::vent_line, false, "max_vent_line_tension_N", "vent lines"},
+    CordGroup{CableKind::skirt, true, "max_reefing_line_tension_N", "the reefing line"}};
+using CordTensions = std::array<double, cord_groups.size()>;  // [N] as cord_groups
 
 struct HistoryRow {
     double time;
@@ -26,6 +42,7 @@ struct HistoryRow {
     double volume, mouth_area, inflow_ratio;  // as InflowState; zero where filling is prescribed
     double stress_p90;                        // [N/m] as stress_p90(), the largest of the rows so far
     double utilisation_p90;                   // [-] likewise, over the strength of each fabric
+    CordTensions tension;                     // as cord_tensions(), the largest of the rows so far
     double tilt;                              // [rad] of a payload that turns, from the vertical
     double impulse;                           // [N s] of the force, step by step, so far
 };
@@ -56,6 +73,9 @@ CanopyShape canopy_shape(const State& state, const Mesh& mesh, int sectors = 1);
 /// fabric's strength [-] is wanted in place of the stress.
 double stress_p90(const State& state, const Mesh& mesh, std::span<const MembraneLaw> laws, double found,
                   int sectors = 1, std::span<const double> strengths = {});
+
+/// Tensions of one cord of each group, elastic, or those `found` before where they are larger.
+CordTensions cord_tensions(const State& state, const Mesh& mesh, const CordTensions& found);
 
 class Observer {
 public:

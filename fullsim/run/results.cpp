@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "fullsim/run/parts.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/scene/needs.hpp"
 #include "lib/solve/shortfall.hpp"
@@ -239,6 +240,60 @@ void add_initial_mouth(const RunView& run, RunRecord& record) {
                           MetricKind::input, "area of the mouth at snatch over the steady projected area");
 }
 
+std::string factors_text(const StrengthFactors& factors) {
+    return fmt::format("joint efficiency {:g}, design factor {:g}", factors.joint_efficiency,
+                       factors.design_factor);
+}
+
+/// Largest tensions of tapes, vent lines and the reefing line, and the least of their margins.
+void add_cord_loads(const RunView& run, RunRecord& record) {
+    const StrengthFactors& factors = run.parachute().strength;
+    const CordTensions& most = run.observer.rows().back().tension;
+    std::optional<double> least;
+    std::string of_least;
+    for (std::size_t k = 0; k < most.size(); ++k) {
+        const CordGroup& group = cord_groups[k];
+        if (!(most[k] > 0.0)) continue;
+        record.add_metric(group.metric, most[k], MetricKind::result,
+                          fmt::format("elastic, of each cord; the largest of {:g} looks a second",
+                                      run.scene.full.row_rate()));
+        const Cord& cord = run.simulation().mesh().cord(group.kind);
+        if (!cord.strength) continue;
+        const double margin = strength_margin(*cord.strength, factors, most[k]);
+        if (least && margin >= *least) continue;
+        least = margin;
+        of_least = fmt::format("{}: {:.5g} N of {:.5g} N, {}", group.name, most[k], *cord.strength,
+                               factors_text(factors));
+    }
+    if (least) record.add_metric("cord_strength_margin", *least, MetricKind::result, of_least);
+}
+
+/// Margins of lines, fabric and other cords where a largest load and a strength are known; absent otherwise.
+void add_strength_margins(const RunView& run, RunRecord& record) {
+    const Mesh& mesh = run.simulation().mesh();
+    const StrengthFactors& factors = run.parachute().strength;
+    const auto add = [&](const char* key, double margin, const std::string& of_what) {
+        record.add_metric(key, margin, MetricKind::result,
+                          fmt::format("{}, {}", of_what, factors_text(factors)));
+    };
+    const auto add_over = [&](const char* key, const char* load_key, const std::optional<double>& strength) {
+        const std::optional<double> load = record.metric(load_key);
+        if (strength && load && *load > 0.0)
+            add(key, strength_margin(*strength, factors, *load),
+                fmt::format("strength {:.5g} {}", *strength, split_metric_key(load_key).unit));
+    };
+    add_over("line_strength_margin", "max_line_tension_N", run.parachute().line.strength);
+    if (mesh.other_fabrics.empty()) {  // otherwise which fabric the largest stress was in is not known
+        add_over("membrane_strength_margin", "max_membrane_stress_N_m", mesh.fabric.strength);
+        add_over("membrane_strength_margin_p90", "membrane_stress_p90_N_m", mesh.fabric.strength);
+    }
+    const HistoryRow& last = run.observer.rows().back();
+    if (last.utilisation_p90 > 0.0)
+        add("membrane_strength_margin_p90", strength_margin(1.0, factors, last.utilisation_p90),
+            "each panel's stress over its fabric's strength");
+    add_cord_loads(run, record);
+}
+
 /// Shape, largest loads and margins.
 void add_structure(const RunView& run, std::optional<double> steady_area, RunRecord& record) {
     const LargestLoads most = run.canopies.largest_loads(run.first, run.count);
@@ -259,17 +314,7 @@ void add_structure(const RunView& run, std::optional<double> steady_area, RunRec
             record.missing.push_back(
                 {key, "no fabric was taut as finite elements", record.status.code == StatusCode::completed});
     }
-    Parachute of_sheet = run.parachute();
-    of_sheet.fabric = run.simulation().mesh().fabric;  // of all of it where panels name one together
-    // Which fabric the largest stress was in is not known.
-    if (!run.simulation().mesh().other_fabrics.empty()) of_sheet.fabric.strength.reset();
-    add_strength_margins(record, of_sheet);
-    if (const double used = run.observer.rows().back().utilisation_p90; used > 0.0)
-        record.add_metric(
-            "membrane_strength_margin_p90", strength_margin(1.0, of_sheet.strength, used), MetricKind::result,
-            fmt::format("each panel's stress over its fabric's strength, joint efficiency {:g}, "
-                        "design factor {:g}",
-                        of_sheet.strength.joint_efficiency, of_sheet.strength.design_factor));
+    add_strength_margins(run, record);
 }
 
 void leave_out_air_between(const Scene& scene, RunRecord& record) {

@@ -474,20 +474,6 @@ void warn_of_unsteady_descent(RunRecord& record, const Scene& scene,
                                             : "stop later, or with stop.at = \"steady-descent\""});
 }
 
-void add_strength_margins(RunRecord& record, const Parachute& chute) {
-    const auto add = [&](const char* key, const char* load_key, const std::optional<double>& strength) {
-        const std::optional<double> load = record.metric(load_key);
-        if (!strength || !load || !(*load > 0.0)) return;
-        record.add_metric(key, strength_margin(*strength, chute.strength, *load), MetricKind::result,
-                          fmt::format("strength {:.5g} {}, joint efficiency {:g}, design factor {:g}",
-                                      *strength, split_metric_key(load_key).unit,
-                                      chute.strength.joint_efficiency, chute.strength.design_factor));
-    };
-    add("line_strength_margin", "max_line_tension_N", chute.line.strength);
-    add("membrane_strength_margin", "max_membrane_stress_N_m", chute.fabric.strength);
-    add("membrane_strength_margin_p90", "membrane_stress_p90_N_m", chute.fabric.strength);
-}
-
 namespace {
 
 /// Filling constants of types were found in tests at 150 to 500 ft/s (Knacke, p. 5-43).

@@ -151,10 +151,6 @@ bool all_are_cut(const RunRecord& record, const Scene& scene);
 void warn_of_unsteady_descent(RunRecord& record, const Scene& scene,
                               const std::optional<DescentWindow>& last);
 
-/// Adds the margins of lines and fabric where a largest load and a strength are known; absent otherwise.
-/// Loads: the metrics max_line_tension_N, max_membrane_stress_N_m and membrane_stress_p90_N_m of the record.
-void add_strength_margins(RunRecord& record, const Parachute& chute);
-
 /// Warnings about an opening that hold for every fidelity (M_r > 1, ...). altitude, speed, density: at snatch
 /// [m], [m/s], [kg/m^3].
 void add_opening_warnings(RunRecord& record, const Scene& scene, const Parachute& chute,

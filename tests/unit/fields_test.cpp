@@ -112,6 +112,8 @@ TEST_F(Fields, CellsStandInTheOrderOfTheMeshAndKnowTheirKind) {
     EXPECT_EQ(cell_kind_names()[static_cast<std::size_t>(value(grid, "kind", 0))], "fabric");
     EXPECT_EQ(cell_kind_names()[static_cast<std::size_t>(value(grid, "kind", 1))], "line");
     EXPECT_EQ(cell_kind_names()[static_cast<std::size_t>(value(grid, "kind", 2))], "payload");
+    mesh_.reefing_line = {0};
+    EXPECT_EQ(cell_kind_names()[static_cast<std::size_t>(value(frame(1, 1), "kind", 1))], "reefing line");
     EXPECT_EQ(grid.time, 0.75);
     EXPECT_EQ(grid.points.size(), 12u);
     EXPECT_EQ(std::get<std::vector<float>>(grid.point_data.front().values),

@@ -23,11 +23,13 @@ namespace twinchute::fullsim {
 namespace {
 
 /// A payload of 1 kg, which meets taut lines at the start: everything chatters and rings.
-Scene light_payload() {
+Scene light_payload(const std::string& key = "payload.mass='1 kg'") {
     return read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-inflation.toml",
                       {"payload.mass='1 kg'", "full.mesh.gore_columns=2", "full.mesh.gore_rows=6",
-                       "full.mesh.line_elements=4", "stop.time='0.2 s'", "full.line_substeps=1"});
+                       "full.mesh.line_elements=4", "stop.time='0.2 s'", "full.line_substeps=1", key});
 }
+constexpr auto reefing =
+    "parachute.reefing=[{ drag_area_ratio = 0.2, until = { at = 'line-stretch', delay = 10 } }]";
 
 /// Stress and area of each triangle: the larger principal value by Mohr's circle.
 std::vector<std::pair<double, double>> stressed_areas(const State& state, const Mesh& mesh) {
@@ -69,6 +71,7 @@ LargestLoads loads_of(const State& state, const Mesh& mesh) {
 struct ByHand {
     LargestLoads all, sampled;
     double percentile = 0.0;  // [N/m] of the stress, of each step
+    CordTensions tension{};   // of each step
 };
 
 ByHand by_hand(const Scene& scene) {
@@ -81,6 +84,7 @@ ByHand by_hand(const Scene& scene) {
         loads.percentile =
             std::max(loads.percentile,
                      percentile_of(stressed_areas(simulation.synchronised_state(), simulation.mesh())));
+        loads.tension = cord_tensions(simulation.synchronised_state(), simulation.mesh(), loads.tension);
         const bool checked = simulation.system().step % 50 == 0 || simulation.system().time >= 0.2;
         for (LargestLoads* some : {&loads.all, checked ? &loads.sampled : &loads.all}) {
             some->add_tension(now.line_tension);
@@ -117,7 +121,16 @@ TEST(LargestLoads, AreThoseOfAllSteps) {
     EXPECT_GT(looked, 0.5 * loads.percentile);
     Scene watched = scene;
     watched.full.output_rate = 1e5;
-    EXPECT_NEAR(*test::run_full(watched).metric("membrane_stress_p90_N_m") / loads.percentile, 1.0, 1e-9);
+    const RunRecord all = test::run_full(watched);
+    EXPECT_NEAR(*all.metric("membrane_stress_p90_N_m") / loads.percentile, 1.0, 1e-9);
+    for (std::size_t k = 0; k < 3; ++k) {  // tapes; those of skirt and vent are slack but for some steps
+        const char* key = cord_groups[k].metric;
+        EXPECT_NEAR(all.metric(key).value_or(0.0), loads.tension[k], 1e-9 * loads.tension[0]) << key;
+        EXPECT_LE(record.metric(key).value_or(0.0), loads.tension[k] * (1.0 + 1e-9)) << key;
+    }
+    EXPECT_GT(*record.metric("max_radial_tape_tension_N"), 0.3 * loads.tension[0]);
+    for (std::size_t k = 3; k < cord_groups.size(); ++k)  // neither vent lines nor a reefing line
+        EXPECT_FALSE(all.metric(cord_groups[k].metric));
 }
 
 // By definition: no more than 10 % of the area is stressed higher, more than that as high or higher. A canopy
@@ -232,15 +245,74 @@ TEST(LargestLoads, PercentileOfUtilisationHoldsEachPanelAgainstItsOwnStrength) {
     }
 }
 
-TEST(LargestLoads, PercentilesOfSeveralCanopiesAreTheLargest) {
+// Cables of one metre, each stretched by a strain of its own, by Hooke's law; the last one is slack.
+TEST(LargestLoads, TensionsOfCordsAreThoseOfOneStrandOfEachGroup) {
+    Mesh mesh;
+    const double strains[] = {0.01, 0.02, 0.03, 0.04, 0.05, -0.5};
+    const CableKind kinds[] = {CableKind::radial,    CableKind::skirt, CableKind::vent,
+                               CableKind::vent_line, CableKind::skirt, CableKind::vent};
+    State state;
+    for (int c = 0; c < 6; ++c) {
+        mesh.cables.push_back({{2 * c, 2 * c + 1}, 1.0, 1.0 + c, kinds[c]});
+        for (const double x : {0.0, 1.0 + strains[c]})
+            state.node.push_back({to_lanes(Vec3(x, 0.0, 1.0 * c)), splat(0.0)});
+    }
+    mesh.reefing_line = {4};
+    for (std::size_t kind = 0; kind < mesh.cords.size(); ++kind)
+        mesh.cords[kind] = {"a cord", 1000.0, 1e9 * (1.0 + static_cast<double>(kind)), 1e-3};
+    const auto expected = [&](CableKind kind, double strain) {
+        return 1e9 * (1.0 + static_cast<double>(kind)) * 0.25 * 3.14159265358979324 * 1e-6 * strain;
+    };
+    CordTensions most = cord_tensions(state, mesh, {});
+    for (std::size_t k = 0; k < most.size(); ++k) {
+        const double strain = cord_groups[k].reefs ? 0.05 : strains[k];
+        EXPECT_NEAR(most[k] / expected(cord_groups[k].kind, strain), 1.0, 1e-12) << cord_groups[k].name;
+    }
+    // Larger ones found before stay.
+    const CordTensions before = most;
+    most[1] *= 2.0, most[4] *= 0.5;
+    EXPECT_EQ(cord_tensions(state, mesh, most)[1], 2.0 * before[1]);
+    EXPECT_EQ(cord_tensions(state, mesh, most)[4], before[4]);
+}
+
+// The least margin of those that have a strength, and which of them it is.
+TEST(LargestLoads, MarginOfCordsIsTheLeastOfThoseThatHaveAStrength) {
+    Scene scene = light_payload(reefing);
+    scene.stop.value = 1.0;  // the line is taut by then
+    Parachute& chute = scene.parachutes.front();
+    chute.strength = {0.8, 1.5};
+    const auto flown = [&](std::optional<double> radial, std::optional<double> skirt) {
+        chute.tapes.radial.strength = radial;
+        chute.tapes.skirt.strength = skirt;
+        chute.tapes.vent.strength.reset();
+        return test::run_full(scene);
+    };
+    EXPECT_FALSE(flown({}, {}).metric("cord_strength_margin"));
+    const RunRecord seams = flown(900.0, {}), both = flown(900.0, 100.0);
+    const double radial = *seams.metric("max_radial_tape_tension_N"),
+                 reefing = *seams.metric("max_reefing_line_tension_N");
+    EXPECT_DOUBLE_EQ(*seams.metric("cord_strength_margin"), 900.0 * 0.8 / (1.5 * radial) - 1);
+    EXPECT_TRUE(seams.find_metric("cord_strength_margin")->note.starts_with("radial tapes: "));
+    // Of the skirt's cord, and pulled more than its tape.
+    ASSERT_GT(reefing, *seams.metric("max_skirt_tape_tension_N"));
+    ASSERT_LT(100.0 / reefing, 900.0 / radial);
+    EXPECT_DOUBLE_EQ(*both.metric("cord_strength_margin"), 100.0 * 0.8 / (1.5 * reefing) - 1);
+    const std::string& note = both.find_metric("cord_strength_margin")->note;
+    EXPECT_TRUE(note.starts_with("the reefing line: ")) << note;
+    EXPECT_NE(note.find("of 100 N, joint efficiency 0.8, design factor 1.5"), std::string::npos) << note;
+}
+
+TEST(LargestLoads, PercentilesAndTensionsOfSeveralCanopiesAreTheLargest) {
     HistoryRow light{};
     light.position = light.velocity = Vec3::Zero();
     HistoryRow heavy = light;
     light.stress_p90 = 300.0, light.utilisation_p90 = 0.4;
     heavy.stress_p90 = 900.0, heavy.utilisation_p90 = 0.2;
+    light.tension = {1.0, 20.0, 3.0, 40.0, 5.0}, heavy.tension = {10.0, 2.0, 30.0, 4.0, 50.0};
     for (const std::vector<HistoryRow>& rows : {std::vector{light, heavy}, std::vector{heavy, light}}) {
         EXPECT_EQ(row_of_all(rows).stress_p90, 900.0);
         EXPECT_EQ(row_of_all(rows).utilisation_p90, 0.4);
+        EXPECT_EQ(row_of_all(rows).tension, (CordTensions{10.0, 20.0, 30.0, 40.0, 50.0}));
     }
 }
 
