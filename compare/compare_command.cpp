@@ -214,6 +214,8 @@ private:
         FieldFiles of_candidate(batch, of.place / candidate_.name),
             of_reference(batch, of.place / reference_.name);
         Comparison comparison = both(i, quiet_ || among_others, of_candidate, of_reference);
+        if (of.candidate) of.candidate->sign(comparison.candidate);
+        if (of.reference) of.reference->sign(comparison.reference);
         std::optional<Trend> trend;
         if (baseline_.asked()) trend = baseline_.trend_of(i, comparison);
         if (why_.asked && !comparison.attribution && !interrupt_.token().stop_requested())

@@ -33,12 +33,12 @@ std::vector<double> corners_of(const ForceHistory& force, double begin) {
 
 /// The force from `begin` to the corner after it, by two points inside: at its ends the history is that of
 /// either side.
-/// `zero` [s]: where its history counts from.
-ForcePiece piece_of(const ForceHistory& force, double zero, double begin, double end) {
+/// `zero` [s]: where its history counts from. count: of packs that are pulled at once, each by the force.
+ForcePiece piece_of(const ForceHistory& force, int count, double zero, double begin, double end) {
     if (!std::isfinite(end)) return {};
     const double quarter = 0.25 * (end - begin), middle = begin + 2.0 * quarter;
-    const double value = force.at(middle - zero);
-    return {value, (value - force.at(begin + quarter - zero)) / quarter, middle};
+    const double value = count * force.at(middle - zero);
+    return {value, (value - count * force.at(begin + quarter - zero)) / quarter, middle};
 }
 
 template <int dimensions>
@@ -171,7 +171,7 @@ private:
             const double bend = corner == corners_.end() ? std::numeric_limits<double>::infinity() : *corner;
             const double next = std::min(bend, sequence_.next_time());
             model_.payload_mass = carried_mass() + sequence_.out_mass();
-            model_.extraction = piece_of(chute_.deploy.extraction, begin_, solver.time(), bend);
+            model_.extraction = piece_of(chute_.deploy.extraction, chute_.count, begin_, solver.time(), bend);
             solver.restart(solver.time(), y);
             watch(solver);
             if (sequence_.watches_pressure()) solver.limit_step(pressure_step);

@@ -83,11 +83,6 @@ std::pair<Maximum, std::size_t> Observer::take_canopy_peak() {
     return {std::exchange(peak.best, {0.0, -1.0}), whose};
 }
 
-const HistoryRow& Observer::row_near(double t) const {
-    const auto row = std::ranges::lower_bound(rows_, t, {}, &HistoryRow::time);
-    return row == rows_.end() ? rows_.back() : *row;
-}
-
 double Observer::impulse_between(double begin, double end) const {
     double sum = 0.0;
     auto i = static_cast<std::size_t>(std::ranges::lower_bound(rows_, begin, {}, &HistoryRow::time) -
@@ -104,12 +99,24 @@ double Observer::impulse_between(double begin, double end) const {
     return sum;
 }
 
-double Observer::altitude_at(double t) const {
+std::array<const HistoryRow*, 2> Observer::around(double t) const {
     const std::span rows(rows_);
+    if (rows.size() < 2) return {&rows.front(), &rows.front()};
     const auto inner = rows.subspan(1, rows.size() - 2);  // the last is never passed
     const auto right = 1 + static_cast<std::size_t>(
                                std::ranges::lower_bound(inner, t, {}, &HistoryRow::time) - inner.begin());
-    const HistoryRow &a = rows[right - 1], &b = rows[right];
+    return {&rows[right - 1], &rows[right]};
+}
+
+double Observer::speed_at(double t) const {
+    const auto [a, b] = around(t);
+    const double h = b->time - a->time;
+    return h > 0.0 ? a->speed + (t - a->time) / h * (b->speed - a->speed) : b->speed;
+}
+
+double Observer::altitude_at(double t) const {
+    const auto around_it = around(t);
+    const HistoryRow &a = *around_it[0], &b = *around_it[1];
     const double h = b.time - a.time;
     if (!(h > 0.0)) return b.altitude;
     const double x = (t - a.time) / h, y = 1.0 - x;

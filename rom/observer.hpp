@@ -58,14 +58,16 @@ public:
     /// below zero where there was none.
     std::pair<Maximum, std::size_t> take_canopy_peak();
 
-    /// The row at or after a time inside the run.
-    const HistoryRow& row_near(double t) const;
     /// [N s] of the opening force between two times, by Simpson's rule on the equal pieces of each step.
     double impulse_between(double begin, double end) const;
     /// Altitude [m] at a time inside the run: cubic Hermite in the rows around it.
     double altitude_at(double t) const;
+    double speed_at(double t) const;  ///< [m/s] likewise, by a straight line
 
 private:
+    /// The rows between which a time inside the run lies.
+    std::array<const HistoryRow*, 2> around(double t) const;
+
     static constexpr int pieces = 4;  // even, for Simpson's rule
 
     /// The largest value of a quantity so far, and the row that is nearest to it.

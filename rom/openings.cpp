@@ -107,9 +107,12 @@ void Openings::note_full(ParachuteResult& chute, const OpeningEvent& what, doubl
     if (!stage.full) stage.full = time;
     if (what.kind != OpeningEvent::Kind::full_open || scene_.parachutes.size() > 1) return;
     double last = 0.0;  // of those that opened without stages the time itself, not a difference
-    for (const Canopy& c : sequence_.all())
-        if (c.index == what.index) last = std::max(last, c.inflation.filling_time);
-    const bool at_once = canopy_of(sequence_, what.index).inflation.snatch == chute.snatch_time;
+    bool at_once = true;
+    for (const Canopy& c : sequence_.all()) {
+        if (c.index != what.index) continue;
+        last = std::max(last, c.inflation.filling_time);
+        at_once = at_once && c.inflation.snatch == chute.snatch_time;
+    }
     if (scene_.parachutes[what.index].deploy.by != DeployBy::inflated)
         result.filling_time = at_once ? last : time - chute.snatch_time;
 }

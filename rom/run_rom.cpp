@@ -68,8 +68,8 @@ void judge_flight(const Scene& scene, int dimensions, RunContext& context, Openi
         result.peak_canopy_force.reset();
     if (!result.parachutes.empty()) result.snatch_force = result.parachutes.front().snatch_force;
     if (result.peak_force) {
-        const HistoryRow& top = observer.row_near(result.peak_time);
-        record.events.push_back({"peak-force", result.peak_time, top.altitude, top.speed});
+        record.events.push_back({"peak-force", result.peak_time, observer.altitude_at(result.peak_time),
+                                 observer.speed_at(result.peak_time)});
         std::ranges::stable_sort(record.events, {}, &Event::time);
     }
     // Where one canopy pulls at a time they repeat the forces above.
@@ -203,6 +203,7 @@ RunRecord run_in(const Scene& scene, Run& run, bool with_bracket) {
     add_validity(record, scene, result);
     record.left_out = left_out_of(parts_of(scene));
     add_scene_warnings(record, scene);
+    warn_of_first_force(record, scene, result);
     if (with_bracket)
         add_filling_bracket(record, scene, result.snatch_density, [](const Scene& other) {
             Run alone;

@@ -373,7 +373,10 @@ HttpAnswer Api::cancel(const HttpRequest&, const std::string& id) {
 }
 
 const RunRecord& Api::record_of(const compare::Comparison& result, const HttpRequest& request) const {
-    const bool of_rom = request.parameter("model") == "rom";
+    const std::string model = request.parameter("model").value_or("full");
+    if (model != "rom" && model != "full")
+        throw Refusal(400, "there is no such model, ask for model=rom or model=full");
+    const bool of_rom = model == "rom";
     if (of_rom && result.candidate.channels.empty())
         throw Refusal(404, "the run is of the full model alone, ask without model=rom");
     return of_rom ? result.candidate : result.reference;

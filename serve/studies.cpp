@@ -65,7 +65,7 @@ AskedStudy asked_calibration(const std::string& body, const OpenedScene& opened,
                         "canopy), take out [[case]]",
                         opened.file, one.cases.size()));
     study::require_calibratable(one.scene, models.rom);
-    std::vector<study::DropTest> tests = study::read_drop_tests(files, one.scene);
+    std::vector<study::DropTest> tests = study::read_drop_tests(files);
     std::optional<fs::path> directory;
     if (is_of_file(request.text, opened)) directory = place;
     return {one.scene, study::calibration_work(scene_with(request, opened), one.scene, std::move(tests),

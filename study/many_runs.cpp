@@ -69,15 +69,15 @@ private:
         std::vector<KeyValue> values;
         values.reserve(whole_.size());
         for (std::size_t k = 0; k < whole_.size(); ++k)
-            if (const double value = inputs_.values[k][run]; whole_[k])
-                values.emplace_back(static_cast<std::int64_t>(value));
-            else
-                values.emplace_back(value);
+            values.push_back(value_of(k, inputs_.values[k][run]));
         return values;
     }
+    KeyValue value_of(std::size_t key, double value) const {
+        return whole_[key] ? KeyValue(static_cast<std::int64_t>(value)) : KeyValue(value);
+    }
 
-    /// Putting values in is held against reading at both ends of each input. Runs that the scene must not
-    /// have are refused one by one, all of them here.
+    /// Putting values in is held against reading at both ends of each input and of each two. Runs that the
+    /// scene must not have are refused one by one, all of them here.
     void begin(const SceneWith& scene_with) {
         std::set<std::size_t> ends;
         for (const std::vector<double>& values : inputs_.values) {
@@ -97,6 +97,12 @@ private:
             }
         }
         if (!varied_) std::rethrow_exception(refused);
+        std::vector<KeyValue> low, high;
+        for (std::size_t k = 0; k < inputs_.keys.size(); ++k) {
+            const auto [least, most] = std::ranges::minmax_element(inputs_.values[k]);
+            low.push_back(value_of(k, *least)), high.push_back(value_of(k, *most));
+        }
+        varied_->check_corners(low, high);
     }
 
     /// False where the scene must not have the values.

@@ -30,7 +30,7 @@ SetKey setter_of_parachute(const Scene& base, std::size_t index, const std::stri
         };
     }
     const Key* row = find_key(scene_keys(), path);
-    if (row == nullptr) return {};
+    if (row == nullptr || row->path != path) return {};  // a member of a list is set by reading
     if (const auto* of_chute = std::get_if<BindingOf<Parachute>>(&row->binding); of_chute && of_chute->set)
         return [index, set = of_chute->set](Scene& scene, const KeyValue& value) {
             set(scene.parachutes[index], value);
@@ -53,7 +53,7 @@ SetKey setter_of(const Scene& base, const std::string& key) {
         return base.parachutes.size() == 1 ? setter_of_parachute(base, 0, key) : SetKey{};
     }
     const Key* row = find_key(scene_keys(), key);
-    const auto* of_scene = row ? std::get_if<BindingOf<Scene>>(&row->binding) : nullptr;
+    const auto* of_scene = row && row->path == key ? std::get_if<BindingOf<Scene>>(&row->binding) : nullptr;
     if (!of_scene || !of_scene->set) return {};
     return [set = of_scene->set](Scene& scene, const KeyValue& value) { set(scene, value); };
 }
@@ -123,6 +123,25 @@ bool VariedScene::check(const std::vector<KeyValue>& values) {
     Scene tried = base_;
     put(tried, values);
     return quick_ = same_scene(tried, wanted);
+}
+
+void VariedScene::check_corners(const std::vector<KeyValue>& low, const std::vector<KeyValue>& high) {
+    const auto check_at = [&](const auto& is_high) {
+        std::vector<KeyValue> corner = low;
+        for (std::size_t i = 0; i < corner.size(); ++i)
+            if (is_high(i)) corner[i] = high[i];
+        try {
+            check(corner);
+        } catch (const SceneError&) {
+            // Such values are refused one by one.
+        }
+    };
+    // Two different numbers differ in a binary digit.
+    for (const bool other : {false, true}) {
+        check_at([&](std::size_t) { return other; });
+        for (std::size_t digit = 1; quick_ && digit < keys_.size(); digit *= 2)
+            check_at([&](std::size_t i) { return ((i & digit) != 0) != other; });
+    }
 }
 
 void VariedScene::put(Scene& scene, std::span<const KeyValue> values) const {

@@ -37,6 +37,9 @@ public:
     /// Whether putting gives what reading gives at these values as well; reads for good where not, and where
     /// reading refuses more than the range of a key. Throws SceneError where it refuses.
     bool check(const std::vector<KeyValue>& values);
+    /// Checks at corners between two values of each key: each two keys meet at all four pairs of theirs. How
+    /// keys fit together is seen where they go apart.
+    void check_corners(const std::vector<KeyValue>& low, const std::vector<KeyValue>& high);
 
 private:
     struct Setter {

@@ -46,7 +46,6 @@ public:
         attach_risers();
         find_vent();
         sew_tapes();
-        sew_reefing();
         rig_vent_lines();
         cut_to_length();
         if (takes_body()) make_body();
@@ -323,6 +322,7 @@ private:
             if (tape.cord.name.empty() && std::ranges::count(out_.mesh.cables, tape.kind, &Cable::kind) > 0)
                 refuse_key(tape.key, "is missing", fmt::format("{} has such a tape", file_.name()),
                            "name its material");
+        sew_reefing();
         out_.mesh.cables.insert(out_.mesh.cables.end(), others.begin(), others.end());
     }
 

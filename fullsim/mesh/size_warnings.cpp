@@ -1,11 +1,31 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <set>
+#include <span>
 
 #include "fullsim/mesh/import_mesh.hpp"
 
 namespace twinchute::fullsim {
+
+namespace {
+
+/// Nodes of the canopy that lie on another, as copies of a surface that were never merged leave them.
+std::vector<Vec3> coincident_nodes(const Mesh& mesh) {
+    constexpr double micrometre = 1e-6;
+    std::set<std::array<std::int64_t, 3>> places;
+    std::vector<Vec3> found;
+    for (const Vec3& x : std::span(mesh.position).first(static_cast<std::size_t>(mesh.canopy_nodes))) {
+        const auto place = [&](int k) { return std::llround(x[k] / micrometre); };
+        if (!places.insert({place(0), place(1), place(2)}).second) found.push_back(x);
+    }
+    return found;
+}
+
+}  // namespace
 
 std::vector<Warning> size_warnings(const ImportedMesh& imported, const Scene& scene) {
     const Parachute& chute = scene.parachutes.front();
@@ -31,6 +51,13 @@ std::vector<Warning> size_warnings(const ImportedMesh& imported, const Scene& sc
     const double riser_ends = std::max(1.0, risers);
     constexpr double noticeable = 0.005;  // of a size, between mesh and scene
     std::vector<Warning> warnings;
+    if (const auto slit = coincident_nodes(imported.mesh); !slit.empty())
+        warnings.push_back({fmt::format("{} node{} of the canopy lie{} on another, the first at "
+                                        "({:.6g}, {:.6g}, {:.6g}) m",
+                                        slit.size(), slit.size() > 1 ? "s" : "", slit.size() > 1 ? "" : "s",
+                                        slit.front().x(), slit.front().y(), slit.front().z()),
+                            "fabric is not joined there: a slit opens between them",
+                            "merge duplicate nodes, unless the slit is meant"});
     for (const Size& s :
          {Size{"parachute.nominal_diameter", " m", chute.nominal_diameter, diameter(imported.nominal_area)},
           Size{"parachute.vent_diameter", " m", chute.vent_diameter, diameter(imported.vent_area)},

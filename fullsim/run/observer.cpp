@@ -217,6 +217,10 @@ void Observer::observe(const SystemState& state, const Vec3& payload_force) {
         opening_.push(pull.time, mean);
         most.peak = opening_.peak();
     }
+    // As forces: raw until the peak counts, then filtered.
+    if (state.time < most.peak_from)
+        most.acceleration =
+            std::max(most.acceleration, (payload_force / payload_mass_ - gravity_ * Vec3::UnitZ()).norm());
     if (force_.ready()) {
         most.acceleration = std::max(most.acceleration, acceleration_.value());
         settle_rows();

@@ -147,7 +147,7 @@ public:
     double filtered_force() const { return force_.value(); }           ///< [N] half a window ago
     /// [N] of the whole run: the larger of the two peaks above; of a run that had neither the largest row.
     double largest_force() const;
-    double largest_acceleration() const { return extremes_.acceleration; }  ///< filtered [m/s^2]
+    double largest_acceleration() const { return extremes_.acceleration; }  ///< [m/s^2] as largest_force
 
     /// CanopyShape::turns of the row from `time` on that is furthest from 1; 1 without a row.
     double turns_since(double time) const;

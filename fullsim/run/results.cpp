@@ -527,6 +527,7 @@ void fill_results(const RunView& run, std::span<const RunView> each, RunRecord& 
     add_reefed_drag_areas(record, run.scene, result);
     add_stage_descent_rates(record, run.scene, result);
     add_validity(record, run.scene, result);
+    warn_of_first_force(record, run.scene, result);
     add_warnings(run, steady_area, record);
     const Reached reached = reached_by(run, result.filling_time.has_value());
     note_never_opened(record, run.scene, unopened(each), reached);

@@ -99,6 +99,13 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
         warn(fmt::format("the mesh weighs {:.3f} kg, parachute.mass says {:.3f} kg", meshed, run.stated_mass),
              "the full model takes its mass from fabric, tapes and lines",
              "correct parachute.mass, or the materials");
+    for (const auto& [key, of_what] : {std::pair{"line_strength_margin", "suspension lines"},
+                                       {"cord_strength_margin", "tapes, vent lines or the reefing line"},
+                                       {"membrane_strength_margin_p90", "a tenth of the fabric"}})
+        if (const Metric* margin = record.find_metric(key); margin && margin->value < 0.0)
+            warn(fmt::format("{} would have broken: {} is {:.2f}", of_what, key, margin->value),
+                 "the model goes on, elastic as before: what follows could not have happened",
+                 "take what is stronger, or load it less");
     if (!run.simulation().mesh().other_fabrics.empty())
         warn("the largest stress of the fabric has no margin of strength",
              "panels have fabrics of their own, and which of them it was in is not known",
@@ -110,7 +117,8 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
     if (!run.simulation().mesh().gaps.empty()) record.warnings.push_back(open_gaps(chute));
     if (auto warning = open_corners(chute)) record.warnings.push_back(std::move(*warning));
     if (auto warning = open_middle(chute)) record.warnings.push_back(std::move(*warning));
-    if (chute.vent_lines && run.scene.aerodynamics.line_drag)
+    if (std::ranges::count(run.simulation().mesh().cables, CableKind::vent_line, &Cable::kind) > 0 &&
+        run.scene.aerodynamics.line_drag)
         warn("vent lines have no drag", "aerodynamics.line_drag acts on suspension lines alone",
              "their drag is part of parachute.drag_area where tests gave it");
     if (chute.mesh)

@@ -56,6 +56,7 @@ CaseReport run_case(const Fidelity& fidelity, const std::vector<const Fidelity*>
                                   one.long_run ? &fields : nullptr, one.long_run ? &frames : nullptr,
                                   std::move(checkpoints), all),
                       ""};
+    if (one.long_run) one.long_run->sign(report.record);
     if (one.long_run && report.record.status.code != StatusCode::refused) {
         batch.add(one.place / "run.html", reports.page(report.record, frames));
         add_record(batch, report.record, one.place, frames, csv_head(arguments));

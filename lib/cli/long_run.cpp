@@ -32,7 +32,9 @@ std::string difference(const Scene& scene, const RunRecord& record) {
         const bool same = there != nullptr && there->value == input.value;
         if (!same && input.key != "full.checkpoint_interval") return "they differ in " + input.key;
     }
-    return asked.inputs.size() == record.inputs.size() ? "" : "other keys were given";
+    if (asked.inputs.size() != record.inputs.size()) return "other keys were given";
+    return scene_digest(scene) == record.scene.digest ? ""
+                                                      : "a table, a material or a mesh has changed since";
 }
 
 }  // namespace
@@ -77,6 +79,10 @@ void LongRun::save(const Checkpoint& checkpoint) {
         if (!said_) std::fputs(fmt::format("twinchute: {}; the run goes on\n", error.what()).c_str(), stderr);
         said_ = true;
     }
+}
+
+void LongRun::sign(RunRecord& record) const {
+    record.scene.digest = of_.scene;
 }
 
 void LongRun::ended(const RunRecord& record) {

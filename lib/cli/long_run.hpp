@@ -27,6 +27,8 @@ public:
     /// and WriteError. `fields` has to outlive the result.
     Checkpoints checkpoints(FieldFiles& fields);
 
+    /// Says in the record what it was made from, for finished_record.
+    void sign(RunRecord& record) const;
     /// The record is safe under its name: nothing is left to go on from, unless it was interrupted.
     void ended(const RunRecord& record);
 

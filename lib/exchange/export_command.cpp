@@ -80,11 +80,36 @@ std::optional<double> metric_of(const RunRecord& record, const Scene& scene, con
     return record.metric(metric_head(chute.name) + key);
 }
 
-std::string python_name(std::string_view name) {
+std::string python_letters(std::string_view name) {
     std::string out;
     for (const char c : name)
         out += (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ? c : '_';
-    return out.empty() || (out[0] >= '0' && out[0] <= '9') ? "parachute_" + out : out;
+    return out;
+}
+
+/// No keyword of Python, and no two alike.
+std::string python_name(const Scene& scene, const Parachute& chute) {
+    constexpr std::array<std::string_view, 35> keywords{
+        "False", "None",     "True",  "and",    "as",   "assert", "async",  "await",    "break",
+        "class", "continue", "def",   "del",    "elif", "else",   "except", "finally",  "for",
+        "from",  "global",   "if",    "import", "in",   "is",     "lambda", "nonlocal", "not",
+        "or",    "pass",     "raise", "return", "try",  "while",  "with",   "yield"};
+    const std::string letters = python_letters(chute.name);
+    const auto same = [&](const Parachute& other) { return python_letters(other.name) == letters; };
+    const bool is_name = !letters.empty() && !(letters[0] >= '0' && letters[0] <= '9') &&
+                         std::ranges::count(keywords, letters) == 0;
+    std::string name = is_name ? letters : "parachute_" + letters;
+    if (std::ranges::count_if(scene.parachutes, same) > 1)
+        name += fmt::format("_{}", &chute - scene.parachutes.data() + 1);
+    return name;
+}
+
+/// RocketPy flies under the parachute that opened last, and drops it where another opens.
+bool opens_before_another(const Scene& scene, const RunRecord& record, const Parachute& chute) {
+    const auto snatch = metric_of(record, scene, chute, "snatch_time_s");
+    return snatch && std::ranges::any_of(scene.parachutes, [&](const Parachute& other) {
+               return metric_of(record, scene, other, "snatch_time_s").value_or(*snatch) > *snatch;
+           });
 }
 
 std::string parachute_text(const Scene& scene, const RunRecord& record, const Parachute& chute) {
@@ -101,8 +126,7 @@ std::string parachute_text(const Scene& scene, const RunRecord& record, const Pa
     left_out(!chute.reefing.empty(),
              "reefing; the parachute opens in one, within the filling time of its last stage");
     left_out(chute.cut.has_value(), "cut; RocketPy drops a parachute where the next one opens");
-    const bool stays = !chute.cut && &chute != &landing_parachute(scene);
-    left_out(stays,
+    left_out(!chute.cut && opens_before_another(scene, record, chute),
              "its drag once the next parachute is open; RocketPy then drops it, this scene keeps both");
     left_out(chute.deploy.starts_packed(), "deployment from the pack; its time is not in lag");
     left_out(chute.drag_area_mach_table.has_value(), "drag area by Mach number");
@@ -112,7 +136,8 @@ std::string parachute_text(const Scene& scene, const RunRecord& record, const Pa
     left_out(!filling, "filling time: the parachute does not open in this scene");
     const double drag_area = chute.count * chute.cluster_drag_ratio * chute.drag_area;
     const std::string of_cluster = chute.count > 1 ? fmt::format(", {} canopies", chute.count) : "";
-    text += fmt::format("{} = Parachute(\n    name={},\n", python_name(chute.name), toml_string(chute.name));
+    text +=
+        fmt::format("{} = Parachute(\n    name={},\n", python_name(scene, chute), toml_string(chute.name));
     text += fmt::format("    cd_s={:.6g},  # [m2] steady drag area{}\n", drag_area, of_cluster);
     text += fmt::format("    trigger={},{}\n", trigger.python,
                         trigger.comment.empty() ? "" : "  # " + trigger.comment);

@@ -213,6 +213,13 @@ std::string tolerance_text(const Tolerance& tolerance, std::string_view unit) {
     return fmt::format("{:.6g}{}{}", tolerance.value, unit.empty() ? "" : " ", unit);
 }
 
+bool is_extreme(std::string_view key) {
+    const std::string_view whole = split(key).name;
+    const std::string_view name = whole.substr(head_of_judgeable(whole).size());
+    return name.starts_with("max_") || name.ends_with("_strength_margin") || name.ends_with("_p90") ||
+           name == "load_factor";
+}
+
 MetricKey split_metric_key(std::string_view key) {
     return split(key);
 }

@@ -56,6 +56,10 @@ const MetricRow* find_judgeable_row(std::string_view name);
 std::string_view head_of_judgeable(std::string_view name);
 const MetricRow* find_metric_row(std::string_view name);  ///< row of a number, by the same names
 
+/// Whether a metric is an extreme of the whole run, or a margin to one: of a run that broke off it is no more
+/// than a bound. Those of its events are what they are.
+bool is_extreme(std::string_view key);
+
 struct MetricKey {
     std::string_view name;  ///< without the unit, e.g. "snatch_speed"
     std::string_view unit;  ///< e.g. "m/s"; empty when dimensionless

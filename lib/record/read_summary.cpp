@@ -140,7 +140,8 @@ Provenance read_provenance(const JsonNode& node) {
 }
 
 SceneId read_scene_id(const JsonNode& node) {
-    return {node.text_at("name"), node.text_at("file"), node.text_at("sha256")};
+    const auto digest = node.find("digest");
+    return {node.text_at("name"), node.text_at("file"), node.text_at("sha256"), digest ? digest->text() : ""};
 }
 
 void require_schema(const JsonNode& top, std::string_view what, std::int64_t known) {

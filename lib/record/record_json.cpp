@@ -81,7 +81,9 @@ Json energy_json(const EnergyLedger& energy) {
 }  // namespace
 
 nlohmann::ordered_json scene_json(const SceneId& scene) {
-    return {{"name", scene.name}, {"file", scene.file}, {"sha256", scene.sha256}};
+    Json json{{"name", scene.name}, {"file", scene.file}, {"sha256", scene.sha256}};
+    if (!scene.digest.empty()) json["digest"] = scene.digest;
+    return json;
 }
 
 nlohmann::ordered_json inputs_json(const std::vector<Input>& inputs) {

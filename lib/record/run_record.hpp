@@ -206,6 +206,7 @@ Provenance current_provenance();
 
 struct SceneId {
     std::string name, file, sha256;
+    std::string digest = {};  ///< of all that a run sees of it (scene_digest); empty: not known
 };
 
 struct RunRecord {

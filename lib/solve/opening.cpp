@@ -206,7 +206,7 @@ void add_opening_metrics(const MetricSink& sink, const Scene& scene, const Openi
     const bool packed = chute.deploy.starts_packed(), one = scene.parachutes.size() == 1;
     const bool in_flight = packed || chute.deploy_when;  // its snatch is a result
     const double weight = scene.payload.mass * scene.environment.gravity;
-    const double area = 0.25 * pi * chute.nominal_diameter * chute.nominal_diameter;
+    const double area = chute.count * 0.25 * pi * chute.nominal_diameter * chute.nominal_diameter;  // of all
     const double pressure = 0.5 * r.snatch_density * r.snatch_speed * r.snatch_speed;
     const auto add = [&](const char* key, double value, MetricKind kind = MetricKind::result,
                          const char* note = "") { sink(key, value, kind, note); };
@@ -293,6 +293,23 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
         record.add_metric(std::string(key), value, kind, std::string(note));
     };
     add_opening_metrics(to_record, scene, r, filling, descent);
+}
+
+void warn_of_first_force(RunRecord& record, const Scene& scene, const OpeningResult& r) {
+    const Event* begins = record.find_event("end-of-initial-phase");
+    if (!begins) begins = record.find_event("line-stretch");
+    const Parachute& chute = scene.parachutes.front();
+    if (!begins || !r.peak_force || scene.parachutes.size() > 1 || chute.filling.is_predicted()) return;
+    constexpr double window = 3e-3, little = 0.02;  // [s] of the full model's filter; [-] of the filling
+    const double since = r.peak_time - begins->time;
+    if (since > window || since > little * r.filling_time.value_or(window / little)) return;
+    record.warnings.push_back(
+        {"the peak force is that of the first instant of filling",
+         fmt::format(
+             "initial_drag_area_ratio = {:g} stands in the air at once, and the force falls from there: "
+             "it says nothing of the filling",
+             chute.initial_drag_area_ratio),
+         "give parachute.initial_drag_area_ratio its source, or start from the pack"});
 }
 
 void add_drag_area_times(RunRecord& record, const Scene& scene, const OpeningResult& r, MetricKind kind) {

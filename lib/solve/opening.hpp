@@ -122,6 +122,9 @@ inline double angle_below_horizon(const Vec3& velocity) {
 /// scene) has none in its last stage, and then there is none of the result. Returns whether all are known.
 bool note_largest_peak(OpeningResult& result, const std::function<bool(std::size_t)>& is_growing);
 
+/// Warns where the peak force comes as filling begins: of the drag area that the scene says it begins with.
+void warn_of_first_force(RunRecord& record, const Scene& scene, const OpeningResult& r);
+
 /// Takes a metric, see RunRecord::add_metric.
 using MetricSink =
     std::function<void(std::string_view key, double value, MetricKind kind, std::string_view note)>;

@@ -21,6 +21,16 @@ constexpr std::array<LimitRow, 4> limits_table{{
      standard_gravity, true},
 }};
 
+/// Whether a run came to the forces of an opening, that of the parachute which is sized.
+bool has_opened(const Scene& scene, const RunRecord& record) {
+    const auto sized = std::ranges::find(scene.parachutes, scene.size->parachute, &Parachute::name);
+    const Parachute& chute = sized != scene.parachutes.end() ? *sized : scene.parachutes.front();
+    if (chute.deploy.by == DeployBy::inflated) return true;
+    const bool one = scene.parachutes.size() == 1;
+    if (one && scene.stop.kind == Trigger::Kind::peak_force) return record.metric("peak_force_N").has_value();
+    return record.find_event(one ? "full-open" : chute.name + ".full-open") != nullptr;
+}
+
 }  // namespace
 
 std::span<const LimitRow> limit_rows() {
@@ -50,11 +60,14 @@ Judged judge(const Scene& scene, const std::stop_token& stop) {
         if (!limit) continue;
         auto value = judged.record.metric(row.metric);
         if (!value) value = judged.record.metric(row.alone);
+        if (row.is_load && !has_opened(scene, judged.record)) value.reset();
         if (value && std::isfinite(*value))
             judged.limits.push_back({&row, *value * row.to_unit, *limit});
         else
             judged.why_not =
-                fmt::format("the run ends before there is a {}: {}", row.title, status_name(status.code));
+                fmt::format("the run ends before there is a {}: {}",
+                            row.is_load ? "canopy that is full, and its largest loads" : row.title,
+                            status_name(status.code));
     }
     const bool ran = status.code == StatusCode::completed || status.code == StatusCode::stopped_by_event;
     if (!ran) judged.why_not = fmt::format("{}: {}", status_name(status.code), status.detail);

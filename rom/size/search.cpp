@@ -127,7 +127,8 @@ private:
         const Goal goal = row.goal(*scene.size);
         const auto used = [&](double value) {
             const Share share = used_at(scene, row, value, rest);
-            return goal == Goal::min_load ? share.loaded : share.used;
+            // Loads count among values that meet the limits; where none does, how far off it is.
+            return goal == Goal::min_load && share.used <= 1.0 ? share.loaded : share.used;
         };
         const Bounds bounds = row.bounds(scene);
         const int count = rest.empty() ? samples_alone : samples_before;

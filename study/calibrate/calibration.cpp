@@ -43,15 +43,20 @@ std::vector<DropTest> thinned(const std::vector<DropTest>& tests, std::vector<st
     return thin;
 }
 
-std::vector<FittedTest> fitted_tests(const SceneWith& scene_with, const std::vector<DropTest>& tests,
+/// Heights of the tests become altitudes, above the ground of each.
+std::vector<FittedTest> fitted_tests(const SceneWith& scene_with, std::vector<DropTest>& tests,
                                      const Fidelity& fidelity, const std::vector<Unknown>& unknowns) {
     std::vector<std::string> keys;
-    for (const Unknown& unknown : unknowns)
-        if (unknown.kind == Unknown::Kind::key) keys.push_back(unknown.name);
+    std::vector<KeyValue> low, high;
+    for (const Unknown& unknown : unknowns) {
+        if (unknown.kind != Unknown::Kind::key) continue;
+        keys.push_back(unknown.name);
+        low.emplace_back(unknown.variable.low), high.emplace_back(unknown.variable.high);
+    }
     const std::vector<double> probe = probe_of(unknowns);
     std::vector<FittedTest> fitted;
     fitted.reserve(tests.size());
-    for (const DropTest& test : tests) {
+    for (DropTest& test : tests) {
         const SceneWith with_conditions = [&scene_with, &test](const std::vector<std::string>& more) {
             std::vector<std::string> all;
             for (const std::string& condition : test.conditions)
@@ -59,7 +64,12 @@ std::vector<FittedTest> fitted_tests(const SceneWith& scene_with, const std::vec
             all.insert(all.end(), more.begin(), more.end());
             return scene_with(all);
         };
-        fitted.emplace_back(test, fidelity, VariedScene(with_conditions, keys, probe));
+        VariedScene varied(with_conditions, keys, probe);
+        varied.check_corners(low, high);
+        for (MeasuredHistory& history : test.histories)
+            for (double& height : history.value)
+                if (history.kind->name == "height") height += varied.base().environment.ground;
+        fitted.emplace_back(test, fidelity, std::move(varied));
     }
     return fitted;
 }
@@ -398,7 +408,7 @@ Calibration calibrate(const SceneWith& scene_with, const std::vector<DropTest>& 
     Calibration result;
     const Scene scene = scene_with({});
     const std::vector<Unknown> unknowns = unknowns_of(scene, tests, settings.vary);
-    const std::vector<DropTest> thin = thinned(tests, result.notes);
+    std::vector<DropTest> thin = thinned(tests, result.notes);
     for (const DropTest& test : tests)
         result.notes.insert(result.notes.end(), test.notes.begin(), test.notes.end());
     std::vector<FittedTest> fitted = fitted_tests(scene_with, thin, fidelity, unknowns);

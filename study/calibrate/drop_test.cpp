@@ -48,7 +48,7 @@ std::string known_columns() {
 }
 
 /// Histories in a CSV file; columns that are none are noted.
-void read_histories(DropTest& test, std::string_view text, const std::string& file, const Scene& scene) {
+void read_histories(DropTest& test, std::string_view text, const std::string& file) {
     const LoggedTable table = read_logged_table(text, file);
     const std::vector<double> times = logged_times(table);
     for (const LoggedColumn& column : table.columns) {
@@ -61,8 +61,6 @@ void read_histories(DropTest& test, std::string_view text, const std::string& fi
         }
         const auto [time, value] = logged_history(table, times, column, kind->unit);
         MeasuredHistory history{kind, time, value, {}, {}};
-        for (double& height : history.value)
-            if (kind->name == "height") height += scene.environment.ground;
         if (history.time.empty()) {
             test.notes.push_back(
                 fmt::format("column '{}' of {} is left aside: it holds no number", column.name, file));
@@ -207,11 +205,11 @@ double MeasuredHistory::largest() const {
     return size;
 }
 
-DropTest read_drop_test_csv(std::string_view text, const std::string& file, const Scene& scene) {
+DropTest read_drop_test_csv(std::string_view text, const std::string& file) {
     DropTest test;
     test.name = file;
     test.sha256 = sha256_hex(text);
-    read_histories(test, text, file, scene);
+    read_histories(test, text, file);
     return test;
 }
 
@@ -220,7 +218,7 @@ std::string text_of_test_file(const fs::path& file) {
 }
 
 DropTest read_drop_test_toml(std::string_view text, const std::string& file, const fs::path& directory,
-                             const Scene& scene, const TextOfFile& text_of) {
+                             const TextOfFile& text_of) {
     toml::table document;
     try {
         document = toml::parse(text, file);
@@ -236,7 +234,7 @@ DropTest read_drop_test_toml(std::string_view text, const std::string& file, con
     test.sha256 = sha256_hex(text);
     if (const std::string name = top.text("file"); !name.empty()) {
         const fs::path path = directory / name;
-        read_histories(test, text_of(path), path.string(), scene);
+        read_histories(test, text_of(path), path.string());
     }
     if (const std::string clock = top.text("clock"); !clock.empty()) {
         if (clock != "known" && clock != "fitted")
@@ -266,7 +264,7 @@ DropTest read_drop_test_toml(std::string_view text, const std::string& file, con
     return test;
 }
 
-std::vector<DropTest> read_drop_tests(const std::vector<TextFile>& files, const Scene& scene) {
+std::vector<DropTest> read_drop_tests(const std::vector<TextFile>& files) {
     const auto is_toml = [](const TextFile& file) { return fs::path(file.name).extension() == ".toml"; };
     std::set<std::string> named;
     std::map<std::string, DropTest> tests;
@@ -284,14 +282,14 @@ std::vector<DropTest> read_drop_tests(const std::vector<TextFile>& files, const 
             named.insert(found->name);
             return found->text;
         };
-        tests.emplace(file.name, read_drop_test_toml(file.text, file.name, "", scene, among));
+        tests.emplace(file.name, read_drop_test_toml(file.text, file.name, "", among));
     }
     std::vector<DropTest> all;
     for (const TextFile& file : files) {
         if (is_toml(file))
             all.push_back(tests.at(file.name));
         else if (!named.contains(file.name))
-            all.push_back(read_drop_test_csv(file.text, file.name, scene));
+            all.push_back(read_drop_test_csv(file.text, file.name));
     }
     return all;
 }
@@ -301,8 +299,8 @@ DropTest read_drop_test(const std::string& name, const Scene& scene) {
     const fs::path path = name;
     if (fs::is_directory(path, ignored)) return read_record_as_test(path, scene);
     const std::string text = text_of_test_file(path);
-    if (path.extension() == ".toml") return read_drop_test_toml(text, name, path.parent_path(), scene);
-    return read_drop_test_csv(text, name, scene);
+    if (path.extension() == ".toml") return read_drop_test_toml(text, name, path.parent_path());
+    return read_drop_test_csv(text, name);
 }
 
 }  // namespace twinchute::study

@@ -57,17 +57,17 @@ struct DropTest {
 };
 
 /// Reads what --to names: a CSV file, a TOML file that describes a test, or the directory of a record.
-/// `scene`: for the elevation of its ground. Throws SceneError, RecordError or UsageError.
+/// `scene`: for what a record has other than it. Throws SceneError, RecordError or UsageError.
 DropTest read_drop_test(const std::string& name, const Scene& scene);
 
 /// Reads the text of a CSV file.
-DropTest read_drop_test_csv(std::string_view text, const std::string& file, const Scene& scene);
+DropTest read_drop_test_csv(std::string_view text, const std::string& file);
 /// Text of the file that a test names, by its path from there.
 using TextOfFile = std::function<std::string(const std::filesystem::path&)>;
 std::string text_of_test_file(const std::filesystem::path& file);  ///< on disk
 /// Reads the text of a TOML file; `directory`: where files that it names lie.
 DropTest read_drop_test_toml(std::string_view text, const std::string& file,
-                             const std::filesystem::path& directory, const Scene& scene,
+                             const std::filesystem::path& directory,
                              const TextOfFile& text_of = text_of_test_file);
 
 /// A file that came with others, none of which are on disk.
@@ -76,6 +76,6 @@ struct TextFile {
 };
 /// The tests among files: each TOML file is one, and each CSV file that none of these names. Throws
 /// SceneError, also for a file that is not among them.
-std::vector<DropTest> read_drop_tests(const std::vector<TextFile>& files, const Scene& scene);
+std::vector<DropTest> read_drop_tests(const std::vector<TextFile>& files);
 
 }  // namespace twinchute::study

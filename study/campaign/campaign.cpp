@@ -12,6 +12,7 @@
 #include "lib/math/sha256.hpp"
 #include "lib/record/checkpoint.hpp"
 #include "lib/scene/scene_digest.hpp"
+#include "lib/scene/units.hpp"
 #include "study/campaign/engine.hpp"
 
 namespace twinchute::study {
@@ -41,10 +42,11 @@ std::string digest_of(const CampaignSpec& spec, const Scene& nominal, const Fide
     return sha256_hex(text);
 }
 
-/// Whether a metric takes the whole history of its run, which costs more than all others: kept where it is
-/// asked for.
+/// Whether a metric takes the whole history of its run, which costs more than all others and is not made in
+/// batches: kept where it is asked for.
 bool takes_history(std::string_view key) {
-    return key == "impulse_N_s" || key.ends_with("_percent_drag_area_s");
+    return key == "impulse_N_s" || key == "max_altitude_m" || key.ends_with("_percent_drag_area_s") ||
+           key.ends_with("_mach_number");
 }
 
 /// Metrics to keep: those of a run of the scene that stand in the table of metrics, and those asked for.
@@ -277,6 +279,15 @@ bool run_pairs(Campaign& campaign, const CampaignSettings& settings) {
     }
 }
 
+/// `text`: "--set key=value".
+void require_effect(std::string_view text, const CampaignSpec& spec) {
+    const std::string_view override = text.substr(text.find(' ') + 1);
+    const std::string_view key = trimmed(override.substr(0, override.find('=')));
+    if (std::ranges::count(spec.inputs, key, &CampaignInput::key) > 0)
+        throw SceneError({spec.file.string(), 1, 1}, std::string(key), "is set and varies",
+                         "what is set would have no effect", "leave out one of them");
+}
+
 }  // namespace
 
 Campaign open_campaign(CampaignSpec spec, const Fidelity& rom, const Fidelity& full,
@@ -286,6 +297,8 @@ Campaign open_campaign(CampaignSpec spec, const Fidelity& rom, const Fidelity& f
     for (const std::string& text : campaign.spec.set)
         overrides.push_back("--set " + text);
     overrides.insert(overrides.end(), settings.overrides.begin(), settings.overrides.end());
+    for (const std::string& text : settings.overrides)
+        require_effect(text, campaign.spec);
     campaign.sampler = make_sampler(
         campaign.spec,
         with(settings.scene_with ? settings.scene_with : base_of(campaign.spec), std::move(overrides)));
@@ -329,6 +342,18 @@ void evaluate_campaign(Campaign& campaign) {
     campaign.both = combine(campaign.spec, *first.store, first.columns, *dear.store, dear.columns,
                             campaign.spec.runs, campaign.full_runs);
     campaign.both->cost_ratio = dear.cost.each() / first.cost.each();
+}
+
+std::vector<Judgement> judgements(const Campaign& campaign) {
+    std::vector<Judgement> all;
+    for (const Answer& a : campaign.results.answers) {
+        all.push_back({a.spec, a.value, a.verdict, false});
+        if (!campaign.both) continue;
+        const auto paired = std::ranges::find(campaign.both->answers, a.spec, &PairedAnswer::spec);
+        if (paired != campaign.both->answers.end())
+            all.back() = {a.spec, paired->value, paired->verdict, true};
+    }
+    return all;
 }
 
 }  // namespace twinchute::study

@@ -46,6 +46,15 @@ struct Campaign {
     bool interrupted = false;
 };
 
+/// What an answer comes to: of the full model where there is one of it.
+struct Judgement {
+    const AnswerSpec* spec;
+    Interval value;
+    Verdict verdict;
+    bool is_of_full;
+};
+std::vector<Judgement> judgements(const Campaign& campaign);
+
 struct CampaignSettings {
     std::vector<std::string> overrides;  ///< of the scene, "--set key=value"
     SceneWith scene_with = {};           ///< the scene that varies; empty: the one that the file names

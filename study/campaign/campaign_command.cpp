@@ -157,8 +157,11 @@ void say_valid(const Campaign& campaign, const Arguments& arguments) {
 
 ExitCode code_of(const Campaign& campaign) {
     if (campaign.interrupted) return ExitCode::interrupted;
-    if (campaign.results.complete == 0 && campaign.results.made > 0) return ExitCode::numerical;
-    const bool met = campaign.both ? campaign.both->meets_limits() : campaign.results.meets_limits();
+    const bool none_complete = campaign.results.endings.complete == 0 && campaign.results.made > 0;
+    if (none_complete || (campaign.both && campaign.both->endings.complete == 0)) return ExitCode::numerical;
+    const bool met = std::ranges::all_of(judgements(campaign), [](const Judgement& j) {
+        return j.verdict == Verdict::open || j.verdict == Verdict::met;
+    });
     return met ? ExitCode::done : ExitCode::verdict;
 }
 
@@ -181,6 +184,7 @@ ExitCode run_command(const Fidelity& rom, const Fidelity& full, const Arguments&
         const fs::path place = directory / ("rerun-" + *number);
         const std::uint64_t run = run_number(*number, campaign.spec.runs);
         check_output_dir(place);
+        if (const RunStore& store = *campaign.of.front().store; store.exists()) store.require_same();
         return rerun(campaign, run, place, arguments);
     }
     check_stores(campaign, is_shard || arguments.has("resume") || arguments.has("export"));

@@ -69,11 +69,20 @@ ordered_json indices_json(const Campaign& campaign) {
     return all;
 }
 
+ordered_json failures_json(const Endings& endings) {
+    ordered_json json = ordered_json::object();
+    for (const auto& [status, failed] : endings.failed)
+        json[status] = {{"runs", failed.count}, {"first", failed.first}};
+    return json;
+}
+
 ordered_json both_json(const MultiFidelity& both, const std::string& engine) {
     ordered_json json{{"pairs", both.pairs},
                       {"pilot", both.pilot},
                       {"engine", engine},
                       {"cost_ratio", number(both.cost_ratio)},
+                      {"complete", both.endings.complete},
+                      {"failures", failures_json(both.endings)},
                       {"answers", ordered_json::array()}};
     for (const PairedAnswer& a : both.answers) {
         ordered_json one = interval_json(a.value);
@@ -86,6 +95,7 @@ ordered_json both_json(const MultiFidelity& both, const std::string& engine) {
         if (a.spec->kind == AnswerSpec::Kind::mean)
             one["best_rom_runs"] = number(best_cheap_runs(a.correlation, both.cost_ratio));
         one["verdict"] = verdict_name(a.verdict);
+        if (!a.note.empty()) one["note"] = a.note;
         json["answers"].push_back(std::move(one));
     }
     return json;
@@ -114,11 +124,9 @@ std::string campaign_json(const Campaign& campaign) {
              {"distribution", input.distribution ? input.distribution->shown() : "points"},
              {"source", input.source},
              {"grade", input.grade}});
-    json["runs"] = {{"wanted", r.wanted}, {"made", r.made}, {"complete", r.complete}};
+    json["runs"] = {{"wanted", r.wanted}, {"made", r.made}, {"complete", r.endings.complete}};
     json["status"] = campaign.interrupted ? "interrupted" : r.made < r.wanted ? "incomplete" : "complete";
-    json["failures"] = ordered_json::object();
-    for (const auto& [status, failed] : r.failed)
-        json["failures"][status] = {{"runs", failed.count}, {"first", failed.first}};
+    json["failures"] = failures_json(r.endings);
     json["answers"] = ordered_json::array();
     for (const Answer& answer : r.answers)
         json["answers"].push_back(answer_json(answer, spec));

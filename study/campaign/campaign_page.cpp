@@ -162,8 +162,8 @@ std::string summary_of(const Campaign& campaign) {
     const CampaignResults& r = campaign.results;
     std::string body = fmt::format(
         "<p>{} of {} runs are there, {} of them complete; {} model, design {}, seed {}; {}.</p>\n", r.made,
-        r.wanted, r.complete, fidelity_name(campaign.spec.fidelity), design_name(campaign.spec.design),
-        campaign.spec.seed, campaign.of.front().engine);
+        r.wanted, r.endings.complete, fidelity_name(campaign.spec.fidelity),
+        design_name(campaign.spec.design), campaign.spec.seed, campaign.of.front().engine);
     body += html_table(answers_table(campaign), "Answers, each with its 95 % interval", "", "answers");
     if (campaign.both)
         body +=
@@ -204,11 +204,11 @@ std::string campaign_page(const Campaign& campaign) {
     for (const Answer& answer : r.answers)
         if (answer.trail.size() > 1) trails += page_figure(trail_plot(answer));
     if (!trails.empty()) page += page_section("intervals", "Intervals", trails);
-    if (!r.failed.empty())
+    if (const Table failures = failures_table(campaign); !failures.rows.empty())
         page += page_section(
             "failures", "Runs that did not end as they should",
-            html_table(failures_table(campaign),
-                       "Indices count from 0; <code>--rerun INDEX</code> runs one in full", "", "failed"));
+            html_table(failures, "Indices count from 0; <code>--rerun INDEX</code> runs one in full", "",
+                       "failed"));
     return still_page(campaign.spec.name, "campaign", page);
 }
 

@@ -55,7 +55,7 @@ std::string end_text(const AnswerSpec& answer, double end) {
 }
 
 std::string interval_text(const AnswerSpec& answer, const Interval& value) {
-    if (!std::isfinite(value.estimate)) return "-";
+    if (!std::isfinite(value.estimate) || (std::isnan(value.low) && std::isnan(value.high))) return "-";
     return fmt::format("{} to {}", end_text(answer, value.low), end_text(answer, value.high));
 }
 
@@ -111,10 +111,14 @@ Table failures_table(const Campaign& campaign) {
     table.add_words({"Ended by"});
     table.add_numbers({"Runs"});
     table.add_words({"First of them"});
-    for (const auto& [status, failed] : campaign.results.failed)
-        table.rows.push_back({status, fmt::format("{}", failed.count),
-                              fmt::format("{}{}", fmt::join(failed.first, ", "),
-                                          failed.count > failed.first.size() ? ", ..." : "")});
+    const auto add = [&](const Endings& endings, const char* model) {
+        for (const auto& [status, failed] : endings.failed)
+            table.rows.push_back({model + status, fmt::format("{}", failed.count),
+                                  fmt::format("{}{}", fmt::join(failed.first, ", "),
+                                              failed.count > failed.first.size() ? ", ..." : "")});
+    };
+    add(campaign.results.endings, campaign.both ? "reduced-order model: " : "");
+    if (campaign.both) add(campaign.both->endings, "full model: ");
     return table;
 }
 
@@ -135,6 +139,7 @@ std::vector<std::string> answer_notes(const Campaign& campaign) {
     }
     if (!campaign.both) return notes;
     for (const PairedAnswer& a : campaign.both->answers) {
+        if (!a.note.empty()) notes.push_back(fmt::format("{}: {}", a.spec->name, a.note));
         if (a.spec->kind != AnswerSpec::Kind::mean || !std::isfinite(campaign.both->cost_ratio)) continue;
         notes.push_back(
             fmt::format("{}: a full run cost {:.0f} reduced-order runs; the narrowest interval for its cost "

@@ -35,7 +35,8 @@ std::string campaign_text(const Campaign& campaign, const Style& style) {
     if (campaign.both) text += "\n" + terminal_table(pairs_table(*campaign.both), style);
     for (const std::string& note : answer_notes(campaign))
         text += "\n" + printable(note) + "\n";
-    if (!r.failed.empty()) text += "\n" + terminal_table(failures_table(campaign), style);
+    if (const Table failures = failures_table(campaign); !failures.rows.empty())
+        text += "\n" + terminal_table(failures, style);
     return text + "\n";
 }
 
@@ -59,12 +60,8 @@ std::string campaign_junit(const Campaign& campaign) {
                                           answer_number(spec, value.high),
                                           answer_number(spec, *spec.limit))));
     };
-    if (campaign.both)
-        for (const PairedAnswer& a : campaign.both->answers)
-            add(*a.spec, a.value, a.verdict, ".full");
-    else
-        for (const Answer& a : campaign.results.answers)
-            add(*a.spec, a.value, a.verdict, "");
+    for (const Judgement& j : judgements(campaign))
+        add(*j.spec, j.value, j.verdict, j.is_of_full ? ".full" : "");
     return fmt::format(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"{}\" tests=\"{}\" "
         "failures=\"{}\" errors=\"0\">\n{}</testsuite>\n",

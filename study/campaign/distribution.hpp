@@ -3,6 +3,7 @@
 #pragma once
 
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,10 @@ public:
     double below(double x) const;
 
     Kind kind() const { return kind_; }
+    /// Different values of a discrete one, in order; none of others.
+    std::span<const double> discrete_values() const {
+        return kind_ == Kind::discrete ? std::span<const double>(values_) : std::span<const double>();
+    }
     const std::vector<std::string>& words() const { return words_; }
     /// Exact: part of a store's digest.
     std::string text() const;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "study/campaign/random.hpp"
 
@@ -42,7 +43,18 @@ struct Sample {
     std::vector<CheapRun> runs;
     std::uint64_t all = 0;  ///< that there are
     Moments moments;
+    double largest = -std::numeric_limits<double>::infinity();
 };
+
+/// Value of the worst dear run: the largest of those there are, and of those that the cheap ones stand for.
+double largest_dear(const Pairs& pairs, const Sample& sample) {
+    double most = sample.largest;
+    for (std::size_t i = 0; i < pairs.count(); ++i) {
+        const double ratio = pairs.dear[i] / pairs.cheap[i];
+        most = std::max({most, pairs.dear[i], ratio > 0.0 ? ratio * sample.largest : most});
+    }
+    return most;
+}
 
 /// P(dear above or below the threshold) of one cheap run.
 double exceedance(const AnswerSpec& answer, const Correction& correction, const CheapRun& run) {
@@ -123,7 +135,9 @@ double sampling_variance(const AnswerSpec& answer, const Correction& correction,
     return half * half;
 }
 
-void correct_answer(PairedAnswer& answer, const Pairs& pairs, const Sample& sample, std::uint64_t seed) {
+/// missing: share of runs without the metric [-].
+void correct_answer(PairedAnswer& answer, const Pairs& pairs, const Sample& sample, double missing,
+                    std::uint64_t seed) {
     const auto correction = fit_correction(pairs);
     if (!correction || sample.runs.empty()) return;
     answer.scatter = correction->scatter;
@@ -137,8 +151,30 @@ void correct_answer(PairedAnswer& answer, const Pairs& pairs, const Sample& samp
         std::exp(gsl_cdf_tdist_Qinv(two_sided, static_cast<double>(pairs.count() - 2)) * std::sqrt(variance));
     answer.value.low = estimate / factor;
     answer.value.high = estimate * factor;
-    if (answer.spec->kind == AnswerSpec::Kind::probability)
+    answer.worst = answer.value.high + missing;
+    if (answer.spec->kind == AnswerSpec::Kind::probability) {
         answer.value.high = std::min(1.0, answer.value.high);
+        return;
+    }
+    AnswerSpec higher = *answer.spec;
+    higher.level += missing;
+    answer.worst = higher.level < 1.0 ? estimate_with(higher, *correction, sample) * factor
+                                      : std::numeric_limits<double>::infinity();
+}
+
+/// A limit is met only if it would be with the runs that lack the metric, of both models, as the worst.
+void doubt_missing(PairedAnswer& answer, std::uint64_t dear, std::uint64_t dear_runs, std::uint64_t cheap,
+                   std::uint64_t cheap_runs) {
+    const std::string& metric = answer.spec->metric;
+    std::vector<std::string> parts;
+    if (dear < dear_runs)
+        parts.push_back("of the full model, " + missing_text(dear_runs - dear, dear_runs, metric));
+    if (cheap < cheap_runs)
+        parts.push_back("of the reduced one, " + missing_text(cheap_runs - cheap, cheap_runs, metric));
+    answer.note = fmt::format("{}", fmt::join(parts, "; "));
+    if (parts.empty() || answer.verdict != Verdict::met || answer.worst <= *answer.spec->limit) return;
+    answer.verdict = Verdict::undecided;
+    answer.note += not_met_at_worst;
 }
 
 /// Plain estimate from values of one model.
@@ -159,27 +195,11 @@ Interval plain(const AnswerSpec& answer, std::vector<double> values) {
     return found;
 }
 
-void each_run(const RunStore& store, std::uint64_t runs,
-              const std::function<void(std::uint64_t, std::span<const double>)>& take) {
-    for (std::uint64_t chunk = 0; chunk < store.chunks_of(runs); ++chunk) {
-        const RunStore::Rows rows = store.read(chunk, store.rows_of(chunk, runs));
-        for (std::size_t at = 0; at < rows.size(); at += store.columns())
-            take(chunk * store.identity().chunk + at / store.columns(),
-                 std::span(rows).subspan(at, store.columns()));
-    }
-}
-
 }  // namespace
 
 double Pairs::correlation() const {
     const Moments x = moments_of(cheap), y = moments_of(dear);
     return mixed_squares(*this, x.mean, y.mean) / std::sqrt(x.squares * y.squares);
-}
-
-bool MultiFidelity::meets_limits() const {
-    return std::ranges::all_of(answers, [](const PairedAnswer& a) {
-        return a.verdict == Verdict::open || a.verdict == Verdict::met;
-    });
 }
 
 Interval control_variate_mean(const Pairs& pairs, const Moments& cheap) {
@@ -270,22 +290,30 @@ MultiFidelity combine(const CampaignSpec& spec, const RunStore& cheap, const Col
     MultiFidelity both;
     both.pairs = dear_runs;
     both.pilot = std::min<std::uint64_t>(dear_runs, static_cast<std::uint64_t>(spec.pilot));
+    each_run(dear, dear_columns, dear_runs,
+             [&](std::uint64_t run, std::span<const double> row) { both.endings.add(dear, run, row[0]); });
     for (const AnswerSpec& answer : spec.answers) {
         if (answer.kind == AnswerSpec::Kind::ellipse) continue;
         const std::size_t of_cheap = *cheap_columns.of(answer.metric),
                           of_dear = *dear_columns.of(answer.metric);
         std::vector<double> dear_values(dear_runs, std::nan(""));
-        each_run(dear, dear_runs,
-                 [&](std::uint64_t run, std::span<const double> row) { dear_values[run] = row[of_dear]; });
+        std::uint64_t have = 0, dear_made = 0, cheap_made = 0;
+        each_run(dear, dear_columns, dear_runs, [&](std::uint64_t run, std::span<const double> row) {
+            dear_values[run] = row[of_dear];
+            ++dear_made;
+            have += std::isfinite(row[of_dear]) ? 1 : 0;
+        });
         Pairs pairs;
         Sample sample;
         std::vector<double> cheap_values;
-        each_run(cheap, cheap_runs, [&](std::uint64_t run, std::span<const double> row) {
+        each_run(cheap, cheap_columns, cheap_runs, [&](std::uint64_t run, std::span<const double> row) {
             const double value = row[of_cheap];
+            ++cheap_made;
             if (!std::isfinite(value)) return;
             const std::vector<double> inputs(
                 row.begin() + 1, row.begin() + 1 + static_cast<std::ptrdiff_t>(cheap_columns.inputs));
             sample.moments.add(value);
+            sample.largest = std::max(sample.largest, value);
             ++sample.all;
             if (run < dear_runs && std::isfinite(dear_values[run])) {
                 pairs.cheap.push_back(value);
@@ -303,15 +331,21 @@ MultiFidelity combine(const CampaignSpec& spec, const RunStore& cheap, const Col
         found.correlation = pairs.count() > 2 ? pairs.correlation() : std::nan("");
         found.dear_alone = plain(answer, pairs.dear);
         found.cheap = plain(answer, std::move(cheap_values)).estimate;
+        const double missing =
+            2.0 - static_cast<double>(have) / static_cast<double>(dear_made) -
+            static_cast<double>(sample.all) / static_cast<double>(cheap_made);  // shares of both
         if (answer.kind == AnswerSpec::Kind::mean) {
             found.cheap = sample.moments.mean;
             found.value = control_variate_mean(pairs, sample.moments);
             found.gain = control_variate_gain(pairs, sample.all);
             found.method = "control variate";
+            const double most = largest_dear(pairs, sample);
+            found.worst = found.value.high + missing * (most - found.value.high);
         } else {
-            correct_answer(found, pairs, sample, spec.seed);
+            correct_answer(found, pairs, sample, missing, spec.seed);
         }
         found.verdict = verdict_of(answer, found.value);
+        doubt_missing(found, have, dear_made, sample.all, cheap_made);
     }
     return both;
 }

@@ -30,16 +30,19 @@ struct PairedAnswer {
     Interval gain = {};        ///< dear runs that plain sampling would need, over those that were made; means
     std::uint64_t cheap_runs = 0;  ///< that have the metric
     double scatter = 0.0;          ///< [-] of ln(dear/cheap) about its fit; probabilities and quantiles
+    /// Upper end of `value`, were the runs of either model without the metric the worst of all; of a mean, as
+    /// bad as the worst of those that have it.
+    double worst = 0.0;
     std::string method;
     Verdict verdict = Verdict::open;
+    std::string note;  ///< a sentence, may be empty
 };
 
 struct MultiFidelity {
     std::uint64_t pairs = 0, pilot = 0;
+    Endings endings;          ///< of the dear model's runs
     double cost_ratio = 0.0;  ///< of a dear run over a cheap one, by the clock; NaN: not seen this time
     std::vector<PairedAnswer> answers;
-
-    bool meets_limits() const;
 };
 
 /// Mean of the dear model by the cheap one as control variate (Lavenberg, Welch, Management Science 27

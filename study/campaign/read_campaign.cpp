@@ -10,6 +10,7 @@
 
 #include "compare/validate/suite_table.hpp"
 #include "lib/math/sha256.hpp"
+#include "lib/math/vec.hpp"
 #include "lib/scene/data_files.hpp"
 #include "lib/scene/nearest.hpp"
 #include "lib/scene/units.hpp"
@@ -159,6 +160,14 @@ void read_plan(SuiteTable& top, CampaignSpec& spec) {
         place.need("latitude", "where a map puts the release");
         place.need("longitude", "where a map puts the release");
         spec.release_point = {*place.amount("latitude", "rad"), *place.amount("longitude", "rad")};
+        const auto check = [&](const char* key, double angle, double most) {
+            if (!(std::abs(angle) <= most * pi / 180.0))
+                place.refuse(key, fmt::format("{:.5g} deg is no {}", angle * 180.0 / pi, key),
+                             "numbers without a unit are radians",
+                             fmt::format("write e.g. {} = \"47.3 deg\"", key));
+        };
+        check("latitude", (*spec.release_point)[0], 90.0);
+        check("longitude", (*spec.release_point)[1], 180.0);
         place.end();
     }
     read_rare(reader, spec);
@@ -166,6 +175,12 @@ void read_plan(SuiteTable& top, CampaignSpec& spec) {
 }
 
 void check_design(const CampaignSpec& spec) {
+    for (const AnswerSpec& answer : spec.answers)
+        if (answer.limit && spec.design == DesignKind::grid)
+            throw SceneError(answer.place, "answer.limit", "does not go with a grid",
+                             "its runs are laid out, not drawn: they have no interval that a limit could be "
+                             "held against",
+                             "choose random, lhs or sobol");
     const bool correlated = !spec.correlation.isIdentity(0.0);
     if (correlated && (spec.design == DesignKind::grid || spec.design == DesignKind::saltelli))
         throw SceneError({spec.file.string(), 1, 1}, "campaign.design",

@@ -334,9 +334,13 @@ void correlate(SuiteTable& top, CampaignSpec& spec, const std::vector<Pair>& pai
             top.refuse("correlation", fmt::format("'{}' does not vary", key), "", "name keys of [[vary]]");
         return found - spec.inputs.begin();
     };
+    std::set<std::pair<Eigen::Index, Eigen::Index>> told;
     for (const Pair& pair : pairs) {
-        const auto i = index(pair.one), j = index(pair.other);
+        const Eigen::Index i = index(pair.one), j = index(pair.other);
         if (i == j) top.refuse("correlation", fmt::format("'{}' with itself", pair.one), "", "name two keys");
+        if (!told.insert(std::minmax(i, j)).second)
+            top.refuse("correlation", fmt::format("'{}' with '{}' is told twice", pair.one, pair.other), "",
+                       "leave out one of them");
         spec.correlation(i, j) = spec.correlation(j, i) = pair.value;
     }
     if (Eigen::LLT<Eigen::MatrixXd>(spec.correlation).info() != Eigen::Success)
@@ -371,6 +375,9 @@ void read_points(const NamedFiles& files, CampaignSpec& spec) {
                 throw SceneError({file.string(), column->unit_line, column->unit_column}, input.key,
                                  error.problem(), error.why(), error.suggestion());
             }
+            if (input.kind == KeyKind::integer && std::nearbyint(rows[i].back()) != rows[i].back())
+                throw SceneError(place, input.key, fmt::format("{:g} is no whole number", rows[i].back()),
+                                 "the key counts", "round it");
         }
     }
     for (const LoggedColumn& column : table.columns) {

@@ -21,20 +21,14 @@ namespace {
 constexpr double examples_drawn = 320.0;
 constexpr std::size_t most_indices = 10;
 
-/// Calls take(run, row) for each run that is there, in order.
-void each_row(const RunStore& store, std::uint64_t runs,
-              const std::function<void(std::uint64_t, std::span<const double>)>& take) {
-    for (std::uint64_t chunk = 0; chunk < store.chunks_of(runs); ++chunk) {
-        const RunStore::Rows rows = store.read(chunk, store.rows_of(chunk, runs));
-        for (std::size_t at = 0; at + store.columns() <= rows.size(); at += store.columns())
-            take(chunk * store.identity().chunk + at / store.columns(),
-                 std::span(rows).subspan(at, store.columns()));
-    }
-}
-
 bool is_complete(double status) {
     return status == static_cast<double>(StatusCode::completed) ||
            status == static_cast<double>(StatusCode::stopped_by_event);
+}
+
+/// It came to no end of its own. One that never opened came to the ground.
+bool broke_off(double status) {
+    return !is_complete(status) && status != static_cast<double>(StatusCode::not_opened);
 }
 
 bool is_hit(const AnswerSpec& answer, double value) {
@@ -144,15 +138,9 @@ void take_stock(const CampaignSpec& spec, const RunStore& store, const Columns& 
     const auto is_example = [&](std::uint64_t run) {
         return unit_number(random_bits(spec.seed, run, 0, RandomStream::examples)) < share;
     };
-    each_row(store, runs, [&](std::uint64_t run, std::span<const double> row) {
+    each_run(store, columns, runs, [&](std::uint64_t run, std::span<const double> row) {
         ++results.made;
-        if (is_complete(row[0])) {
-            ++results.complete;
-        } else {
-            const auto status = static_cast<std::size_t>(row[0]);
-            FailedRuns& failed = results.failed[store.identity().statuses[status]];
-            if (++failed.count <= most_indices) failed.first.push_back(run);
-        }
+        results.endings.add(store, run, row[0]);
         for (std::size_t m = 0; m < estimators.size(); ++m)
             estimators[m].add(run, row.subspan(1, columns.inputs),
                               row[*columns.of(results.indices[m].metric)]);
@@ -195,7 +183,7 @@ void find_quantiles(const CampaignSpec& spec, const RunStore& store, const Colum
                     take(finders[i], value);
             return;
         }
-        each_row(store, runs, [&](std::uint64_t run, std::span<const double> row) {
+        each_run(store, columns, runs, [&](std::uint64_t run, std::span<const double> row) {
             for (std::size_t i = 0; i < finders.size() && is_independent(spec, run); ++i)
                 if (const double value = row[*columns.of(results.histograms[i].metric)]; std::isfinite(value))
                     take(finders[i], value);
@@ -240,7 +228,7 @@ void count_inside(const CampaignSpec& spec, const RunStore& store, const Columns
         if (answer.ellipse && answer.count > 2) ellipses.push_back(&answer);
     if (ellipses.empty() || !east || !north) return;
     std::vector<std::uint64_t> inside(ellipses.size());
-    each_row(store, runs, [&](std::uint64_t run, std::span<const double> row) {
+    each_run(store, columns, runs, [&](std::uint64_t run, std::span<const double> row) {
         if (!is_independent(spec, run) || std::isnan(row[*east]) || std::isnan(row[*north])) return;
         for (std::size_t i = 0; i < ellipses.size(); ++i)
             inside[i] += ellipses[i]->ellipse->contains({row[*east], row[*north]}) ? 1 : 0;
@@ -258,6 +246,32 @@ std::optional<std::size_t> Columns::of(std::string_view metric) const {
     return first_metric() + static_cast<std::size_t>(found - metrics.begin());
 }
 
+void each_run(const RunStore& store, const Columns& columns, std::uint64_t runs,
+              const std::function<void(std::uint64_t, std::span<const double>)>& take) {
+    std::vector<std::size_t> extremes;
+    for (std::size_t m = 0; m < columns.metrics.size(); ++m)
+        if (is_extreme(columns.metrics[m])) extremes.push_back(columns.first_metric() + m);
+    for (std::uint64_t chunk = 0; chunk < store.chunks_of(runs); ++chunk) {
+        RunStore::Rows rows = store.read(chunk, store.rows_of(chunk, runs));
+        for (std::size_t at = 0; at + store.columns() <= rows.size(); at += store.columns()) {
+            const auto row = std::span(rows).subspan(at, store.columns());
+            if (broke_off(row[0]))
+                for (const std::size_t place : extremes)
+                    row[place] = std::nan("");
+            take(chunk * store.identity().chunk + at / store.columns(), row);
+        }
+    }
+}
+
+void Endings::add(const RunStore& store, std::uint64_t run, double status) {
+    if (is_complete(status)) {
+        ++complete;
+        return;
+    }
+    FailedRuns& of_kind = failed[store.identity().statuses[static_cast<std::size_t>(status)]];
+    if (++of_kind.count <= most_indices) of_kind.first.push_back(run);
+}
+
 std::string_view verdict_name(Verdict verdict) {
     constexpr std::array names{"no limit", "met", "undecided", "exceeded"};
     return names[static_cast<std::size_t>(verdict)];
@@ -266,11 +280,6 @@ std::string_view verdict_name(Verdict verdict) {
 const Answer* CampaignResults::find(std::string_view name) const {
     const auto found = std::ranges::find(answers, name, [](const Answer& a) { return a.spec->name; });
     return found == answers.end() ? nullptr : &*found;
-}
-
-bool CampaignResults::meets_limits() const {
-    return std::ranges::all_of(
-        answers, [](const Answer& a) { return a.verdict == Verdict::open || a.verdict == Verdict::met; });
 }
 
 Verdict verdict_of(const AnswerSpec& spec, const Interval& value) {
@@ -294,18 +303,38 @@ void take_simulation(Answer& answer, RareEvent event) {
     answer.rare = std::move(event);
 }
 
+namespace {
+
+/// Runs that are laid out, not drawn, say nothing of how far off their sums are.
+void take_interval(Answer& answer) {
+    const auto of_estimate = [](Interval& value) { value = {.estimate = value.estimate}; };
+    of_estimate(answer.value);
+    if (answer.ellipse) of_estimate(answer.ellipse->major), of_estimate(answer.ellipse->minor);
+    answer.trail.clear();
+    answer.method = "a grid has no interval";
+}
+
 /// Counts runs without the metric against a limit: a run without a descent rate may be the one that fell
-/// fastest. A probability or a quantile is met only if it would be with all of them as the worst.
-void doubt_missing(Answer& answer, std::uint64_t runs) {
+/// fastest. A limit is met only if it would be with all of them as the worst; what the worst of a mean would
+/// be, none can say, so that they are taken to be as bad as the `largest` there is.
+void doubt_missing(Answer& answer, std::uint64_t runs, double largest) {
     if (answer.count >= runs || answer.count == 0) return;
     const std::uint64_t missing = runs - answer.count;
-    answer.note = fmt::format("{} of {} runs have no {} and do not count", missing, runs,
-                              metric_words(answer.spec->metric));
+    answer.note = missing_text(missing, runs, answer.spec->metric);
+    const double share = static_cast<double>(missing) / static_cast<double>(runs);
     if (answer.spec->kind == AnswerSpec::Kind::probability)
         answer.worst = share_interval(answer.hits + missing, runs).high;
+    if (answer.spec->kind == AnswerSpec::Kind::mean)
+        answer.worst = answer.value.high + share * (largest - answer.value.high);
     if (answer.verdict != Verdict::met || !answer.worst || *answer.worst <= *answer.spec->limit) return;
     answer.verdict = Verdict::undecided;
-    answer.note += "; if they were the worst of all, the limit would not be met";
+    answer.note += not_met_at_worst;
+}
+
+}  // namespace
+
+std::string missing_text(std::uint64_t missing, std::uint64_t runs, std::string_view metric) {
+    return fmt::format("{} of {} runs have no {} and do not count", missing, runs, metric_words(metric));
 }
 
 CampaignResults evaluate(const CampaignSpec& spec, const RunStore& store, const Columns& columns,
@@ -327,8 +356,11 @@ CampaignResults evaluate(const CampaignSpec& spec, const RunStore& store, const 
     find_quantiles(spec, store, columns, runs, kept, results);
     count_inside(spec, store, columns, runs, results);
     for (Answer& answer : results.answers) {
+        if (spec.design == DesignKind::grid) take_interval(answer);
         answer.verdict = verdict_of(*answer.spec, answer.value);
-        doubt_missing(answer, results.independent);
+        const auto of_metric = std::ranges::find(results.histograms, answer.spec->metric, &Histogram::metric);
+        doubt_missing(answer, results.independent,
+                      of_metric != results.histograms.end() ? of_metric->high : infinity);
         results.has_landing = results.has_landing || answer.ellipse;
     }
     return results;
@@ -342,7 +374,7 @@ Interval interval_of(const CampaignSpec& spec, const AnswerSpec& answer, const R
         return evaluate(one, store, columns, runs).answers.front().value;
     }
     Tally tally(answer, columns);
-    each_row(store, runs, [&](std::uint64_t run, std::span<const double> row) {
+    each_run(store, columns, runs, [&](std::uint64_t run, std::span<const double> row) {
         if (is_independent(spec, run)) tally.add(row);
     });
     return tally.answer().value;

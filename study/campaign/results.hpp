@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,7 +46,8 @@ struct Answer {
     std::uint64_t count = 0;  ///< runs that have the metric
     std::uint64_t hits = 0;   ///< of a probability
     Interval value = {};      ///< of an ellipse its major half axis
-    /// Upper end of `value`, were the runs without the metric the worst of all. A mean has none.
+    /// Upper end of `value`, were the runs without the metric the worst of all; of a mean, as bad as the
+    /// worst of those that have it.
     std::optional<double> worst = {};
     std::optional<Ellipse> ellipse = {};
     std::vector<TrailPoint> trail = {};  ///< of probabilities and means
@@ -73,10 +76,23 @@ struct MetricIndices {
     std::vector<Index> of;  ///< each input
 };
 
+/// Calls take(run, row) for each of the first `runs` runs that is there, in order. Extremes of a run that
+/// broke off (a failure, a limit) are not numbers: what they would have come to is not known.
+void each_run(const RunStore& store, const Columns& columns, std::uint64_t runs,
+              const std::function<void(std::uint64_t, std::span<const double>)>& take);
+
+/// Counts runs by how they ended.
+struct Endings {
+    std::uint64_t complete = 0;
+    std::map<std::string, FailedRuns> failed = {};
+
+    void add(const RunStore& store, std::uint64_t run, double status);
+};
+
 struct CampaignResults {
-    std::uint64_t wanted = 0, made = 0, complete = 0;
+    std::uint64_t wanted = 0, made = 0;
     std::uint64_t independent = 0;  ///< of those made: answers are from these
-    std::map<std::string, FailedRuns> failed;
+    Endings endings;
     std::vector<Answer> answers;
     std::vector<Histogram> histograms;
     std::vector<MetricIndices> indices;
@@ -85,7 +101,6 @@ struct CampaignResults {
     bool has_landing = false;
 
     const Answer* find(std::string_view name) const;
-    bool meets_limits() const;
 };
 
 /// Reads the chunks of the first `runs` runs of a store, some times over, in constant memory; runs that are
@@ -96,6 +111,11 @@ CampaignResults evaluate(const CampaignSpec& spec, const RunStore& store, const 
 /// Probabilities and means alone, for a campaign that goes on until one is known well enough.
 Interval interval_of(const CampaignSpec& spec, const AnswerSpec& answer, const RunStore& store,
                      const Columns& columns, std::uint64_t runs);
+
+/// "29 of 40 runs have no peak force and do not count".
+std::string missing_text(std::uint64_t missing, std::uint64_t runs, std::string_view metric);
+/// What follows it where that decides.
+inline constexpr auto not_met_at_worst = "; if they were the worst of all, the limit would not be met";
 
 /// Judges the interval of an answer by its limit.
 Verdict verdict_of(const AnswerSpec& spec, const Interval& value);

@@ -7,6 +7,7 @@
 
 #include "lib/scene/assemble.hpp"
 #include "lib/scene/read_scene.hpp"
+#include "lib/scene/write_scene.hpp"
 
 namespace twinchute::study {
 namespace {
@@ -41,22 +42,46 @@ Sampler::Sampler(const CampaignSpec& spec, const SceneWith& scene_with) : spec_(
     through_air_ = std::ranges::any_of(nominal_.inputs, [](const Input& input) {
         return input.key == "release.airspeed" && input.origin != InputOrigin::fallback;
     });
-    // Points where putting values in is held against reading: the middle, and all inputs near their ends.
-    std::vector<double> point(spec.inputs.size());
-    const auto at = [&](double share) {
-        for (std::size_t i = 0; i < point.size(); ++i)
-            point[i] = spec.point_rows.empty()
-                           ? spec.inputs[i].distribution->at(share)
-                           : spec.point_rows[share < 0.5 ? 0 : spec.point_rows.size() - 1][i];
-        return key_values(point);
-    };
-    varied_ = std::make_unique<VariedScene>(scene_with, keys, at(0.45));
-    for (const double share : {0.001, 0.1, 0.9, 0.999}) {
-        try {
-            varied_->check(at(share));
-        } catch (const SceneError&) {
-            continue;  // such runs are refused one by one
+    // Putting values in is held against reading: in the middle, and where inputs are near their ends.
+    std::vector<double> middle;
+    for (std::size_t i = 0; i < spec.inputs.size(); ++i)
+        middle.push_back(spec.point_rows.empty() ? spec.inputs[i].distribution->at(0.45)
+                                                 : spec.point_rows.front()[i]);
+    varied_ = std::make_unique<VariedScene>(scene_with, keys, key_values(middle));
+    const auto [low, high] = ends();
+    varied_->check_corners(key_values(low), key_values(high));
+    check_effects(low, high);
+}
+
+std::array<std::vector<double>, 2> Sampler::ends() const {
+    std::array<std::vector<double>, 2> ends;
+    for (std::size_t i = 0; i < spec_.inputs.size(); ++i) {
+        if (spec_.point_rows.empty()) {
+            ends[0].push_back(spec_.inputs[i].distribution->at(0.001));
+            ends[1].push_back(spec_.inputs[i].distribution->at(0.999));
+            continue;
         }
+        const auto of_input = [i](const std::vector<double>& row) { return row[i]; };
+        const auto [least, most] = std::ranges::minmax_element(spec_.point_rows, {}, of_input);
+        ends[0].push_back((*least)[i]);
+        ends[1].push_back((*most)[i]);
+    }
+    return ends;
+}
+
+void Sampler::check_effects(const std::vector<double>& low, const std::vector<double>& high) const {
+    for (const std::size_t i : keyed_) {
+        std::vector<double> other = low;
+        other[i] = high[i];
+        if (low[i] == high[i]) continue;
+        try {
+            if (!same_scene(varied_->read(key_values(low)), varied_->read(key_values(other)))) continue;
+        } catch (const SceneError&) {
+            continue;  // something changes
+        }
+        throw SceneError({spec_.file.string(), 1, 1}, spec_.inputs[i].key, "varies without effect",
+                         "another key that varies sets the same quantity, or nothing uses it",
+                         "vary one of them");
     }
 }
 

@@ -1,6 +1,7 @@
 // The scene of run i: values of a design put into the scene that varies.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -20,7 +21,7 @@ SceneWith base_of(const CampaignSpec& spec);
 class Sampler {
 public:
     /// `scene_with`: the scene that varies. Throws SceneError where it, or a value from the middle of a
-    /// distribution, is refused.
+    /// distribution, is refused, and where a key varies without effect.
     Sampler(const CampaignSpec& spec, const SceneWith& scene_with);
 
     /// The scene that varies, with all that a record says of its inputs.
@@ -36,6 +37,8 @@ public:
 
 private:
     std::vector<KeyValue> key_values(std::span<const double> values) const;
+    std::array<std::vector<double>, 2> ends() const;  // of each input, low and high
+    void check_effects(const std::vector<double>& low, const std::vector<double>& high) const;
     void disperse_wind(Scene& scene, std::span<const double> values) const;
 
     const CampaignSpec spec_;

@@ -14,6 +14,13 @@ std::size_t bins_for(std::uint64_t runs) {
     return static_cast<std::size_t>(std::clamp(std::cbrt(static_cast<double>(runs)), 4.0, 64.0));
 }
 
+/// Values of their own, rare ones too; so many of them that shares do as well are binned.
+bool has_bin_of_each(const CampaignInput& input) {
+    constexpr std::size_t most = 64;
+    const std::size_t values = input.distribution ? input.distribution->discrete_values().size() : 0;
+    return values > 0 && values <= most;
+}
+
 /// Whether a metric varies by more than the tolerance of the runs that it is from: shares of less say
 /// nothing. `shift`: by which its numbers are less than the metric's.
 bool varies(const Moments& m, double shift) {
@@ -31,6 +38,8 @@ Interval from_zero(Interval index) {
 
 IndexEstimator::IndexEstimator(const CampaignSpec& spec)
     : spec_(spec), inputs_(spec.inputs.size()), bins_(bins_for(spec.runs)) {
+    for (const CampaignInput& input : spec.inputs)
+        if (has_bin_of_each(input)) bins_ = std::max(bins_, input.distribution->discrete_values().size());
     if (spec.design == DesignKind::saltelli) {
         sums_.resize(groups, {{}, std::vector<double>(inputs_), std::vector<double>(inputs_), 0});
         point_.assign(saltelli_block(inputs_), std::nan(""));
@@ -56,10 +65,17 @@ void IndexEstimator::add(std::uint64_t run, std::span<const double> values, doub
     const std::size_t group = group_of(run);
     for (std::size_t i = 0; i < inputs_; ++i) {
         if (!spec_.inputs[i].is_ordered()) continue;
-        const double share = spec_.inputs[i].distribution->below(values[i]);
-        const auto bin = std::min(bins_ - 1, static_cast<std::size_t>(share * static_cast<double>(bins_)));
-        cells_[(group * inputs_ + i) * bins_ + bin].add(metric);
+        cells_[(group * inputs_ + i) * bins_ + bin_of(spec_.inputs[i], values[i])].add(metric);
     }
+}
+
+std::size_t IndexEstimator::bin_of(const CampaignInput& input, double value) const {
+    if (has_bin_of_each(input)) {
+        const std::span<const double> all = input.distribution->discrete_values();
+        return static_cast<std::size_t>(std::ranges::find(all, value) - all.begin()) % all.size();
+    }
+    const double share = input.distribution->below(value);
+    return std::min(bins_ - 1, static_cast<std::size_t>(share * static_cast<double>(bins_)));
 }
 
 void IndexEstimator::add_point() {

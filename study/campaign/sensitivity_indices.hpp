@@ -21,7 +21,8 @@ struct Index {
 /// Indices of one metric from runs in the order of their numbers.
 ///
 /// Saltelli's design: first order by Saltelli et al., Comp. Phys. Comm. 181 (2010), Table 2 (b); total by
-/// Jansen, ibid. (f). Any other: first order from equal shares of the input's distribution, as the variance
+/// Jansen, ibid. (f). Any other: first order from equal shares of the input's distribution (of a
+/// discrete one, from its values), as the variance
 /// of their means less what their own scatter makes of it. Intervals leave out one of twenty groups of runs
 /// in turn.
 class IndexEstimator {
@@ -45,6 +46,7 @@ private:
     /// Drawn at random: every n-th point of a sequence is no fair share of it.
     std::size_t group_of(std::uint64_t index) const;
     void add_point();
+    std::size_t bin_of(const CampaignInput& input, double value) const;
     double binned(std::size_t input, std::optional<std::size_t> without) const;
     Index by_points(std::size_t input) const;
     double of_sums(std::size_t input, bool total, std::optional<std::size_t> without) const;

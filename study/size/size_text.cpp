@@ -142,7 +142,7 @@ std::string found_text(const Sized& sized, const Candidate& best) {
     const std::string who = several ? type_text(best) + ", " : "";
     if (best.meets())
         return who + (several ? "the lightest by the estimate that meets the limits" : "meets the limits");
-    return who + "no value meets the limits; here they are missed least";
+    return who + "no value was found that meets the limits; this one misses them least of those tried";
 }
 
 std::vector<std::string> size_notes(const Scene& scene, const Sized& sized, const Candidate& best) {

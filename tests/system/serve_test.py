@@ -457,6 +457,7 @@ class RunsOfThePage(unittest.TestCase):
             self.assertEqual(headers["Content-Disposition"], 'attachment; filename="history.csv"')
             self.assertEqual(table, content(os.path.join(server.directory, "by_hand/history.csv")))
             self.assertEqual(server.ask("GET", f"/api/runs/{run}/history.csv?model=rom")[0], 404)
+            self.assertEqual(server.ask("GET", f"/api/runs/{run}/history.csv?model=xyz")[0], 400)
             with open(os.path.join(server.directory, "by_hand/frames.bin"), "rb") as file:
                 self.assertEqual(server.ask("GET", f"/api/runs/{run}/frames")[2], file.read())
             status, headers, report = server.ask("GET", f"/api/runs/{run}/report?token={server.token}", token=False)

@@ -274,6 +274,22 @@ TEST_F(SystemCampaign, OneRunCanBeLookedAt) {
     const double peak = read("out/rerun-42/summary.json")["metrics"]["peak_force_N"];
     EXPECT_NEAR(std::stod(row[static_cast<std::size_t>(column)]) / peak, 1.0, 5e-5);  // that of batches
     EXPECT_EQ(campaign({"--out", "out", "--rerun", "100"}).code, 2);
+    // Of another campaign.
+    write("c.toml", campaign_text("runs = 100\nseed = 4", mean));
+    const Ended other = campaign({"--out", "out", "--rerun", "41", "--quiet"});
+    EXPECT_EQ(other.code, 2) << other.err;
+    EXPECT_FALSE(std::filesystem::exists(here_ / "out/rerun-41"));
+}
+
+// Still air, line stretch to the peak: as docs/guide/campaign.md has it.
+TEST_F(SystemCampaign, RunsOfAnOpeningAreMadeInBatches) {
+    write_runs(100);
+    ASSERT_EQ(campaign({"--out", "out", "--quiet"}).code, 0);
+    EXPECT_EQ(read("out/campaign.json")["engine"], "in batches of 64");
+    // Kept where it is asked for.
+    write("c.toml", campaign_text("runs = 100", "[[answer]]\nname = \"top\"\nmean = \"max_altitude\"\n"));
+    ASSERT_EQ(campaign({"--out", "other", "--quiet"}).code, 0);
+    EXPECT_EQ(read("other/campaign.json")["answers"][0]["runs"], 100);
 }
 
 TEST_F(SystemCampaign, JsonFollowsItsSchema) {
@@ -376,6 +392,92 @@ TEST_F(SystemCampaign, RunsWithoutTheMetricCastDoubtOnALimit) {
     EXPECT_LT(most["interval_95"][1], 8.0);
     EXPECT_EQ(most["verdict"], "undecided");
     EXPECT_EQ(few["verdict"], "met");
+}
+
+/// The C-9 on a coarse mesh, to its peak, whose fastest releases tear it.
+std::string torn_text(const std::string& limit, const std::string& plan, const std::string& answers) {
+    return "base = \"c9-inflation.toml\"\nset = ['full.contact=\"none\"', 'stop.at=\"peak-force\"', "
+           "'full.mesh.gore_columns=1', 'full.mesh.gore_rows=6', 'full.strain_limit=" +
+           limit + "']\n[campaign]\n" + plan +
+           "\n[[vary]]\nkey = \"release.speed\"\ndist = { uniform = { low = 15, high = 45 } }\n" + answers;
+}
+
+// The largest force of a canopy that tears is that up to the tear: no more than a bound.
+TEST_F(SystemCampaign, RunsThatBrokeOffHaveNoExtremes) {
+    write("c.toml",
+          torn_text("0.02", "runs = 24\nfidelity = \"full\"\ndesign = \"sobol\"",
+                    "[[answer]]\nname = \"force\"\nprobability = \"max_force > 9 kN\"\nlimit = \"30 %\"\n"
+                    "[[answer]]\nname = \"mean\"\nmean = \"max_force\"\nlimit = \"5.5 kN\"\n"
+                    "[[answer]]\nname = \"speed\"\nmean = \"snatch_speed\"\n"));
+    const Ended ended = campaign({"--out", "out", "--quiet", "--export", "csv"});
+    EXPECT_EQ(ended.code, 1) << ended.err;
+    const json found = read("out/campaign.json");
+    const int torn = found["failures"]["strain_limit"]["runs"];
+    ASSERT_GT(torn, 6);
+    ASSERT_LT(torn, 20);
+    const json &force = found["answers"][0], &mean_force = found["answers"][1], &speed = found["answers"][2];
+    EXPECT_EQ(force["runs"], 24 - torn);
+    EXPECT_EQ(force["verdict"], "undecided");
+    EXPECT_TRUE(says(force["note"].get<std::string>(), std::to_string(torn) + " of 24 runs"));
+    // The others' mean is within the limit, and would not be with as many as bad as the worst of them.
+    EXPECT_LT(mean_force["interval_95"][1], 5500.0);
+    EXPECT_EQ(mean_force["verdict"], "undecided");
+    EXPECT_EQ(speed["runs"], 24);  // it snatched before it tore
+    EXPECT_FALSE(says(text("out/runs.csv"), ",nan"));
+}
+
+TEST_F(SystemCampaign, FullRunsThatFailCastDoubtOnBoth) {
+    const std::string both = "runs = 400\nfidelity = \"both\"\npilot = 8\nfull_runs = 12",
+                      high =
+                          "[[answer]]\nname = \"high\"\nprobability = \"peak_force > 12 kN\"\n"
+                          "limit = \"90 %\"\n",
+                      most =
+                          "[[answer]]\nname = \"most\"\nquantile = \"peak_force\"\nlevel = 0.2\n"
+                          "limit = \"50 kN\"\n";
+    write("c.toml", torn_text("0.02", both, high + most));
+    const Ended ended = campaign({"--out", "out"});
+    EXPECT_EQ(ended.code, 1) << ended.err;
+    const json found = read("out/campaign.json")["both"];
+    const int torn = found["failures"]["strain_limit"]["runs"];
+    ASSERT_GT(torn, 3);
+    ASSERT_LT(torn, 9);
+    EXPECT_EQ(found["complete"], 12 - torn);
+    EXPECT_TRUE(says(ended.out, "full model: strain_limit"));
+    for (const json& answer : found["answers"]) {
+        EXPECT_EQ(answer["verdict"], "undecided") << answer;
+        EXPECT_TRUE(says(answer["note"].get<std::string>(),
+                         "of the full model, " + std::to_string(torn) + " of 12 runs"));
+    }
+    // None that tears: nothing is missing, and both are met.
+    write("c.toml", torn_text("0.9", both, high + most));
+    EXPECT_EQ(campaign({"--out", "whole", "--quiet"}).code, 0);
+    // All tear at once.
+    write("c.toml", torn_text("1e-5", both, high));
+    EXPECT_EQ(campaign({"--out", "none", "--quiet"}).code, 3);
+}
+
+// An ellipse is of the reduced-order model alone, and its limit counts.
+TEST_F(SystemCampaign, BothModelsTogetherHoldAnEllipseAgainstItsLimit) {
+    write(
+        "c.toml",
+        "base = \"c9-inflation.toml\"\nset = ['full.contact=\"none\"', 'stop.at=\"ground\"', "
+        "'release.height=\"40 m\"', 'full.mesh.gore_columns=1', 'full.mesh.gore_rows=6']\n[campaign]\n"
+        "runs = 100\nfidelity = \"both\"\npilot = 8\nfull_runs = 8\n"
+        "[[vary]]\nkey = \"release.path_angle\"\ndist = { uniform = { low = \"60 deg\", high = \"89 deg\" } "
+        "}\n[[answer]]\nname = \"land\"\nellipse = \"landing\"\nlimit = \"1 m\"\n");
+    EXPECT_EQ(campaign({"--out", "out", "--quiet"}).code, 1);
+    EXPECT_TRUE(says(text("out/junit.xml"), "tests=\"1\" failures=\"1\""));
+}
+
+// Levels lie at the middle of equal shares: of twenty none is beyond the 97.5 % quantile.
+TEST_F(SystemCampaign, GridHasNoInterval) {
+    write("c.toml", campaign_text("design = \"grid\"",
+                                  "levels = 20\n[[answer]]\nname = \"far\"\n"
+                                  "probability = \"fill_constant > 4.8\"\n"));
+    ASSERT_EQ(campaign({"--out", "out", "--quiet"}).code, 0);
+    const json answer = read("out/campaign.json")["answers"][0];
+    EXPECT_EQ(answer["estimate"], 0.0);
+    EXPECT_TRUE(answer["interval_95"][0].is_null() && answer["interval_95"][1].is_null()) << answer;
 }
 
 TEST_F(SystemCampaign, WhatASceneRefusesIsRefusedInEachRun) {
@@ -596,6 +698,10 @@ TEST_F(SystemCampaign, RefusesWhatItDoesNotUnderstand) {
             mean +
                 "[[correlation]]\nbetween = [\"parachute.fill_time.n\", \"payload.mass\"]\nvalue = 0.5\n")),
         "does not vary"));
+    EXPECT_TRUE(says(refusal(campaign_text(plan, mean + "[[vary]]\nkey = \"parachute.fill_time.n\"\n")),
+                     "varies twice"));
+    write("c.toml", campaign_text(plan, mean));
+    EXPECT_TRUE(says(campaign({"--set", "parachute.fill_time.n=4"}).err, "is set and varies"));
     EXPECT_TRUE(says(refusal("base = \"none.toml\"\n[campaign]\nruns = 1\n[[vary]]\nkey = "
                              "\"payload.mass\"\ndist = { uniform = { low = 1, high = 2 } }\n"),
                      "none.toml"));

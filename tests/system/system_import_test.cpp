@@ -97,6 +97,40 @@ TEST_F(SystemImport, WindByAltitudeIsAFileBesideTheScene) {
     EXPECT_TRUE(says(run({"import", "r.ork"}).out, "wind by altitude: it is a file beside the scene"));
 }
 
+/// Fall under a drogue, the larger main and a reserve, which all stay.
+const std::string three_parachutes = R"(schema = 1
+name = "three"
+[environment]
+atmosphere = { density = 1.2 }
+[payload]
+mass = 10
+drag_area = 0.05
+[release]
+height = 1000
+speed = 10
+path_angle = "90 deg"
+[[parachute]]
+name = "class"
+nominal_diameter = 0.6
+drag_area = 0.2
+mass = 0.1
+deploy = { by = "line-stretch", when = { at = "release", delay = 1 } }
+[[parachute]]
+name = "main-1"
+nominal_diameter = 2.4
+drag_area = 3
+mass = 0.4
+deploy = { by = "line-stretch", when = { height = 400 } }
+[[parachute]]
+name = "main_1"
+nominal_diameter = 1.4
+drag_area = 1
+mass = 0.2
+deploy = { by = "line-stretch", when = { height = 200 } }
+[stop]
+at = "ground"
+)";
+
 TEST_F(SystemImport, ExportPrintsPythonOrWritesIt) {
     const Ended ended = run({"export", shipped_scene("rocket-dual-deploy"), "--to", "rocketpy"});
     EXPECT_EQ(ended.code, 0) << ended.err;
@@ -114,6 +148,18 @@ TEST_F(SystemImport, ExportPrintsPythonOrWritesIt) {
     // of 8.53 m.
     EXPECT_TRUE(says(run({"export", shipped_scene("c9-cluster"), "--to", "rocketpy"}).out,
                      fmt::format("radius={:.6g},", 0.5 * 0.65 * 8.53 * std::cbrt(3.0))));
+    // Names of Python are no two alike and no keywords; what RocketPy drops is what opens before another.
+    here_.write("three.toml", three_parachutes);
+    const std::string three = run({"export", "three.toml", "--to", "rocketpy"}).out;
+    for (const char* variable : {"parachute_class = ", "main_1_2 = ", "main_1_3 = "})
+        EXPECT_TRUE(says(three, variable)) << variable << three;
+    const auto dropped = [&](const char* variable) {
+        const std::size_t end = three.find(variable), begin = three.rfind("\n\n", end);
+        return three.substr(begin, end - begin).find("once the next parachute is open") != std::string::npos;
+    };
+    EXPECT_TRUE(dropped("parachute_class = "));
+    EXPECT_TRUE(dropped("main_1_2 = "));
+    EXPECT_FALSE(dropped("main_1_3 = "));
     // A name as a metric has it, and the filling time of its last stage alone: RocketPy has no drag before.
     const auto lag = [&](const Words& words) {
         const std::string out = run(words).out;

@@ -121,6 +121,30 @@ TEST_F(Resume, WhatHasEndedIsNotRunAgain) {
                    "is of another scene (the scene file has changed since)");
 }
 
+// A table keeps its name when its numbers change.
+TEST_F(Resume, WhatHasEndedWithOtherTablesIsRefused) {
+    const auto wind = [&](const char* speed) {
+        here_.write("w.csv", std::string("altitude,east,north\nm,m/s,m/s\n0,1,1\n500,") + speed + ",2\n");
+    };
+    for (const std::string command : {"full", "compare"}) {
+        wind("5");
+        const Words all{TWINCHUTE_PROGRAM,
+                        command,
+                        "long.toml",
+                        "--out",
+                        command,
+                        "--set",
+                        "environment.wind.table=\"w.csv\""};
+        const Ended first = start(all);
+        ASSERT_LT(first.code, 2) << first.err;
+        Words again = all;
+        again.emplace_back("--resume");
+        EXPECT_EQ(start(again).code, first.code) << command;
+        wind("9");
+        expect_refused(all, command, "is of another scene (a table, a material or a mesh has changed since)");
+    }
+}
+
 TEST_F(Resume, ASeriesGoesOnWithItsCases) {
     here_.write("series.toml", scene("") +
                                    "full.checkpoint_interval = 0.02\n"

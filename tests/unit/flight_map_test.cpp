@@ -29,10 +29,29 @@ RunRecord mapped_fall() {
 
 TEST(FlightMap, ADegreeIsAsLongAsOnWgs84) {
     // Lengths of a degree at 45 deg of latitude on WGS 84: 111131.745 m along the meridian, 78846.835 m along
-    // the parallel. A hundredth of it is taken: the radii are those at the point.
-    const GeographicPlace place = alpine_map.at(788.46835, 1111.31745);
-    EXPECT_NEAR(place.latitude, 45.01, 1e-7);
-    EXPECT_NEAR(place.longitude, 8.01, 1e-7);
+    // the parallel. A hundredth of it is taken, over which the meridian's radius changes by 1e-6 of itself.
+    EXPECT_NEAR(alpine_map.at(0.0, 1111.31745).latitude, 45.01, 1e-7);
+    EXPECT_NEAR(alpine_map.at(788.46835, 0.0).longitude, 8.01, 1e-7);
+}
+
+TEST(FlightMap, LongWaysFollowTheParallelsThatTheyCross) {
+    // 70 km north and 70 km east at 65 deg of latitude, in steps of 10 m by the radii at each. The radii at
+    // the release alone would be 1.7 km off.
+    double latitude = 65.0 * pi / 180.0, longitude = 25.0 * pi / 180.0;
+    for (int i = 0; i < 7000; ++i) {
+        const double w = 1.0 - 6.69437999014e-3 * std::pow(std::sin(latitude), 2);
+        longitude += 10.0 * std::sqrt(w) / (6378137.0 * std::cos(latitude));
+        latitude += 10.0 * std::pow(w, 1.5) / (6378137.0 * (1.0 - 6.69437999014e-3));
+    }
+    const GeographicPlace place = LocalMap(65.0 * pi / 180.0, 25.0 * pi / 180.0).at(7e4, 7e4);
+    EXPECT_NEAR(place.latitude, latitude * 180.0 / pi, 1e-5);    // 1 m
+    EXPECT_NEAR(place.longitude, longitude * 180.0 / pi, 2e-5);  // 1 m
+}
+
+TEST(FlightMap, LongitudesStayWithinHalfATurn) {
+    const LocalMap at_the_date_line(0.0, 179.9999 * pi / 180.0);
+    EXPECT_NEAR(at_the_date_line.at(1e3, 0.0).longitude, -179.9911, 1e-3);
+    EXPECT_NEAR(LocalMap(0.0, 200.0 * pi / 180.0).at(0.0, 0.0).longitude, -160.0, 1e-9);
 }
 
 TEST(FlightMap, GeoJsonHasTrajectoryEventsAndLanding) {

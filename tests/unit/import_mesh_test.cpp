@@ -558,6 +558,13 @@ TEST(ImportMesh, WarnsWhereTheSceneSaysOtherSizes) {
     chute.line_length = 5.0;
     chute.riser_length = 1.0;
     EXPECT_TRUE(size_warnings(got, same).empty());
+    // A node on another, as in a surface that was never merged.
+    ImportedMesh slit = got;
+    slit.mesh.position[1] = slit.mesh.position[0];
+    const std::vector<Warning> warnings = size_warnings(slit, same);
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_TRUE(warnings[0].what.starts_with("1 node of the canopy lies on another, the first at ("))
+        << warnings[0].what;
 }
 
 }  // namespace

@@ -54,6 +54,16 @@ TEST(OpeningWarnings, TheFillConstantOfATypeHasARangeOfSpeeds) {
     EXPECT_EQ(said(edited(at("30"), "mass = 0.3", "mass = 0.3\nfill_time.n = 7.9")), "");
 }
 
+// A light payload stops before its canopy has grown: the largest force is that of the drag area that it is
+// said to begin with, whatever n.
+TEST(OpeningWarnings, AForceThatOnlyFallsIsThatOfTheInitialDragArea) {
+    const char* words =
+        "the peak force is that of the first instant of filling (initial_drag_area_ratio = 0.04";
+    const std::string fast = edited(edited(typed, "mass = 5", "mass = 0.3"), "speed = 60", "speed = 140");
+    EXPECT_TRUE(says(fast, words)) << said(fast);
+    EXPECT_FALSE(says(typed, words));
+}
+
 TEST(OpeningWarnings, APredictedFillingKnowsRoundCanopiesAlone) {
     // The full model refuses the first four; the reduced-order model has one shape for all.
     const std::string predicted =

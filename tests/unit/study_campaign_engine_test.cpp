@@ -1,4 +1,5 @@
 // Runs of campaigns by the reduced-order model: metrics alone and in batches, held against whole records.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 
 #include "lib/scene/calibration.hpp"
 #include "lib/scene/read_scene.hpp"
+#include "lib/scene/scene_error.hpp"
 #include "rom/fidelity.hpp"
 #include "study/campaign/random.hpp"
 #include "study/campaign/sampler.hpp"
@@ -208,6 +210,59 @@ TEST(CampaignSampler, PutsWhatReadingGives) {
     EXPECT_EQ(put.release, read.release);
     EXPECT_EQ(put.parachutes.front().drag_area_law->name, "power-2");
     EXPECT_NEAR(spec.inputs[2].distribution->at(0.5), 21.336, 1e-12);
+}
+
+// A release below the ground is refused by reading alone, and only where the one is low and the other high.
+TEST(CampaignSampler, ReadsWhereKeysDoNotFitTogether) {
+    const std::string altitude = "[[vary]]\nkey = \"release.altitude\"\ndist = { uniform = { low = ",
+                      ground =
+                          "[[vary]]\nkey = \"environment.ground\"\ndist = { uniform = { low = 0, high = ";
+    for (const bool swapped : {false, true}) {
+        const std::string one = altitude + "300, high = 1200 } }\n", other = ground + "1000 } }\n";
+        const CampaignSpec spec = spec_of("c9-drift", swapped ? other + one : one + other);
+        const Sampler sampler(spec, base_of(spec));
+        EXPECT_FALSE(sampler.is_quick());
+        Scene scene = sampler.blank();
+        const double values[] = {swapped ? 600.0 : 412.0, swapped ? 412.0 : 600.0};
+        EXPECT_THROW(sampler.put(scene, values), SceneError);
+    }
+    const CampaignSpec apart =
+        spec_of("c9-drift", altitude + "300, high = 1200 } }\n" + ground + "200 } }\n");
+    EXPECT_TRUE(Sampler(apart, base_of(apart)).is_quick());
+}
+
+TEST(CampaignSampler, RefusesWhatVariesWithoutEffect) {
+    const auto refusal = [](const char* one, const char* other) {
+        const auto vary = [](const char* key) {
+            return fmt::format("[[vary]]\nkey = \"{}\"\ndist = {{ uniform = {{ low = 1, high = 2 }} }}\n",
+                               key);
+        };
+        const CampaignSpec spec = spec_of("c9-drift", vary(one) + vary(other));
+        try {
+            const Sampler sampler(spec, base_of(spec));
+        } catch (const SceneError& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    const std::string own = shipped("c9-drift").parachutes.front().name;
+    const std::string named = fmt::format("parachute.{}.drag_area", own);
+    EXPECT_NE(refusal("parachute.drag_area", named.c_str()).find("varies without effect"), std::string::npos);
+    EXPECT_NE(refusal("parachute.drag_area", "parachute.drag_coefficient").find("varies without effect"),
+              std::string::npos);
+    EXPECT_EQ(refusal("parachute.drag_area", "payload.mass"), "");
+}
+
+// A member of a list is set by reading.
+TEST(CampaignSampler, PutsMembersOfLists) {
+    const CampaignSpec spec =
+        spec_of("cargo-cluster",
+                "[[vary]]\nkey = \"parachute.lag.2\"\ndist = { uniform = { low = 0.1, high = "
+                "0.4 } }\n");
+    const Sampler sampler(spec, base_of(spec));
+    Scene scene = sampler.blank();
+    sampler.put(scene, std::vector{0.25});
+    EXPECT_EQ(scene.parachutes.front().lag.at(1), 0.25);
 }
 
 TEST(CampaignSampler, TurnsAndScalesTheWindClockwise) {

@@ -1,4 +1,5 @@
 // Reading campaign files.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -131,6 +132,21 @@ TEST(CampaignRead, RefusesPlansThatDoNotGoTogether) {
     EXPECT_TRUE(says(plan("runs = 5\npilot = 20"), "fidelity = \"both\""));
     EXPECT_TRUE(says(plan("runs = 5\nfidelity = \"both\""), "between pilot and runs"));
     EXPECT_TRUE(says(plan("runs = 5\nuntil = { answer = \"x\", halfwidth = 1 }"), "there is no answer 'x'"));
+    // A grid has no interval for a limit; degrees without a unit are radians; a pair is told once.
+    EXPECT_TRUE(says(plan("design = \"grid\"\n[[answer]]\nname = \"m\"\nmean = \"peak_force\"\nlimit = 1"),
+                     "does not go with a grid"));
+    EXPECT_TRUE(says(plan("runs = 5\nrelease_point = { latitude = 47.3, longitude = 8.5 }"),
+                     "2710.1 deg is no latitude"));
+    EXPECT_TRUE(says(plan("runs = 5\nrelease_point = { latitude = \"89 deg\", longitude = \"181 deg\" }"),
+                     "181 deg is no longitude"));
+    const std::string speed =
+        "[[vary]]\nkey = \"release.speed\"\ndist = { uniform = { low = 1, high = 2 } }\n";
+    const auto pair = [](const char* one, const char* other) {
+        return fmt::format("[[correlation]]\nbetween = [\"{}\", \"{}\"]\nvalue = 0.5\n", one, other);
+    };
+    EXPECT_TRUE(says(plan("runs = 5\n" + speed + pair("payload.mass", "release.speed") +
+                          pair("release.speed", "payload.mass")),
+                     "is told twice"));
     EXPECT_EQ(read("base = \"s.toml\"\n[campaign]\nruns = 7\ndesign = \"saltelli\"\n" + vary).runs, 9u);
     EXPECT_EQ(read("base = \"s.toml\"\n[campaign]\ndesign = \"grid\"\n" + vary + "levels = 12\n").runs, 12u);
 }

@@ -183,6 +183,27 @@ TEST(CampaignSensitivity, AnyDesignGivesFirstOrderIndices) {
     }
 }
 
+// Y = x1 + x2 with x1 = 4, or 12 once in a hundred (either end), and x2 uniform over 1: variances of
+// 64 * 0.0099 and 1/12.
+TEST(CampaignSensitivity, RareValuesHaveTheirShare) {
+    for (const std::vector<double>& weights : {std::vector{99.0, 1.0}, std::vector{1.0, 99.0}}) {
+        const CampaignSpec spec =
+            test::campaign_of({Distribution::discrete({4.0, 12.0}, weights), Distribution::uniform(0.0, 1.0)},
+                              DesignKind::random, 40'000);
+        Design points(spec);
+        IndexEstimator estimator(spec);
+        std::vector<double> x(2);
+        for (std::uint64_t run = 0; run < spec.runs; ++run) {
+            points.values(run, x);
+            estimator.add(run, x, x[0] + x[1]);
+        }
+        const double rare = 64.0 * 0.0099, other = 1.0 / 12.0;
+        // 400 rare ones: a twentieth, of the variance that they make.
+        EXPECT_NEAR(estimator.indices()[0].first->estimate, rare / (rare + other), 0.03);
+        EXPECT_NEAR(estimator.indices()[1].first->estimate, other / (rare + other), 0.03);
+    }
+}
+
 // The number of a realisation has no order: the mean over a share of its numbers says nothing of it.
 // Saltelli's design asks what stays where it stays. Y = h(number) + x with h of variance 1: shares of one
 // half.

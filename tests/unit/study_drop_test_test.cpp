@@ -12,13 +12,8 @@ namespace {
 
 using study::DropTest;
 
-const Scene& demo() {
-    static const Scene scene = read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml");
-    return scene;
-}
-
 DropTest of_csv(const std::string& text) {
-    return study::read_drop_test_csv(text, "drop.csv", demo());
+    return study::read_drop_test_csv(text, "drop.csv");
 }
 
 std::string complaint_of_csv(const std::string& text) {
@@ -55,7 +50,7 @@ TEST(LoggedTest, CountsAccelerationsInStandardGravities) {
         of_csv("time,specific_force [g],acceleration [m/s^2],height [m]\n0,1,0,3\n1,2,4,5\n");
     EXPECT_EQ(test.histories[0].value, (Numbers{9.80665, 2 * 9.80665}));
     EXPECT_EQ(test.histories[1].value, (Numbers{0.0, 4.0}));
-    EXPECT_EQ(test.histories[2].kind->channel, "altitude");  // and the ground of the demo is at sea level
+    EXPECT_EQ(test.histories[2].kind->channel, "altitude");  // once the ground of its scene is known
     EXPECT_EQ(test.histories[2].value, (Numbers{3.0, 5.0}));
 }
 
@@ -85,7 +80,7 @@ TEST(LoggedTest, SaysWhereItIsWrong) {
 }
 
 DropTest of_toml(const std::string& text, const ScratchDir& folder) {
-    return study::read_drop_test_toml(text, "drop.toml", folder.path(), demo());
+    return study::read_drop_test_toml(text, "drop.toml", folder.path());
 }
 
 TEST(DescribedTest, CarriesUncertaintyInstrumentConditionsAndPriors) {

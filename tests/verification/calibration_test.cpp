@@ -55,6 +55,31 @@ TEST(CalibrationOfASyntheticDrop, GivesTheTruthBack) {
     EXPECT_TRUE(calibration.is_consistent()) << calibration.findings.front().what;
 }
 
+// A height is above the ground of its own test.
+TEST(CalibrationOfASyntheticDrop, CountsHeightsFromTheGroundOfTheTest) {
+    SyntheticDrop drop;
+    drop.more = {"environment.ground='8 m'"};
+    Scene scene = demo_scene_with(drop.truth());
+    scene.stop = {Trigger::Kind::time, 4.0, 0.0, {}};
+    Run run;
+    std::vector<double> times;
+    for (int i = 0; i < 80; ++i)
+        times.push_back(0.05 * i);
+    run.samples = times;
+    const RunRecord record = rom::rom_fidelity().run(scene, run);
+    study::DropTest test;
+    test.name = "heights";
+    test.clock_known = true;
+    test.conditions = {"environment.ground='8 m'"};
+    study::MeasuredHistory history{study::find_history_kind("height"), times, {}, 0.02, {}};
+    for (const double altitude : record.find_channel("altitude")->values)
+        history.value.push_back(altitude - 8.0);
+    test.histories.push_back(std::move(history));
+    const Calibration calibration = calibrated({test});
+    const Parameter* n = calibration.find(fill_constant);
+    EXPECT_NEAR(n->estimate, 5.5, 0.02) << what_is_found(calibration);
+}
+
 // From seconds away a descent of the sum of squares alone ends in a peak that lies beside the readings.
 TEST(CalibrationOfASyntheticDrop, FindsTheClockAsWell) {
     for (const double offset : {-0.7, 4.2}) {

@@ -325,6 +325,21 @@ TEST(ImportedMesh, FliesAsTheGeneratedOne) {
         EXPECT_EQ(*again.metric(metric), *read.metric(metric)) << metric;
 }
 
+TEST(ImportedMesh, FliesReefedAsTheGeneratedOne) {
+    const ScratchDir directory;
+    Scene scene = test::c9_scene();
+    scene.full.mesh = {2, 7, 6, 2};
+    chute_of(scene).reefing.push_back({0.1, {}, {}, {Trigger::Kind::time, 1.0, 0.0}});
+    scene.stop.value = 1.5;
+    const RunRecord made = test::run_full(scene), read = test::run_full(imported(scene, directory));
+    ASSERT_EQ(read.status.code, StatusCode::completed) << read.status.detail;
+    for (const char* metric : {"stage_1_peak_force_N", "max_line_tension_N", "max_reefing_line_tension_N"}) {
+        ASSERT_TRUE(made.metric(metric)) << metric;
+        EXPECT_NEAR(read.metric(metric).value_or(0.0), *made.metric(metric), 1e-6 * *made.metric(metric))
+            << metric;
+    }
+}
+
 TEST(ImportedMesh, GoresThatDifferRunInTheUnstructuredLayout) {
     // One diagonal the other way: the canopy is the same but for one panel, and so are its loads to a few
     // per mille (the wrinkled panel sees other folds); the layout is the one for any mesh.

@@ -108,6 +108,19 @@ TEST(Loads, MarginsAreStrengthOverFactoredLoadLessOne) {
     EXPECT_EQ(record.find_metric("line_strength_margin")->note,
               "strength 1779 N, joint efficiency 0.8, design factor 1.5");
     EXPECT_FALSE(test::run_rom(scene).metric("line_strength_margin"));  // it has no lines to pull on
+
+    // What would have broken is said; with these strengths nothing would.
+    const auto broken = [](const RunRecord& of) {
+        return std::ranges::count_if(of.warnings, [](const Warning& warning) {
+            return warning.what.find("would have broken") != std::string::npos;
+        });
+    };
+    EXPECT_EQ(broken(record), 0);
+    chute.line.strength = 0.9 * 1.5 / 0.8 * tension;
+    chute.fabric.strength = 0.9 * 1.5 / 0.8 * wide;
+    const RunRecord weak = test::run_full(scene);
+    EXPECT_NEAR(*weak.metric("line_strength_margin"), -0.1, 1e-12);
+    EXPECT_EQ(broken(weak), 2);
 }
 
 }  // namespace

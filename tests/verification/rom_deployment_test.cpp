@@ -171,6 +171,20 @@ TEST(RomDeployment, ExtractionByAConstantForce) {
     }
 }
 
+// Each pack is pulled by the force: two of them, of twice the payload, come out as one does.
+TEST(RomDeployment, ExtractionPullsEachPackOfACluster) {
+    Scene one = extraction({0.0, 0.1, 100.0}, {0.0, 800.0, 800.0});
+    one.payload.drag_area = 0.0;
+    run_for(one, 2.0);
+    Scene two = one;
+    two.payload.mass *= 2.0;
+    two.parachutes.front().count = 2;
+    const RunRecord single = run_rom(one), pair = run_rom(two);
+    for (const char* key : {"line_stretch_time_s", "snatch_time_s", "snatch_speed_m_s"})
+        EXPECT_NEAR(metric(pair, key) / metric(single, key), 1.0, 1e-7) << key;
+    EXPECT_NEAR(metric(pair, "snatch_force_N") / metric(single, "snatch_force_N"), 2.0, 1e-6);
+}
+
 TEST(RomDeployment, ExtractionFollowsItsTableAndEndsWithIt) {
     // Nothing until 0.1 s, a ramp to 900 N at 0.3 s, then nothing: a jump that a step must not reach across.
     // On the ramp F = b (t - 0.1): x = b (t - 0.1)^3/(6 m); after it at constant speed. Exact for every

@@ -183,6 +183,46 @@ TEST(RomSequence, AClusterWithoutLagIsOneParachute) {
         EXPECT_NEAR(each[i], all[i] / 3.0, 1e-12 * all[i]);
 }
 
+TEST(RomSequence, AClusterHasTheShockCoefficientOfEach) {
+    const Scene cluster = read_text(with("count = 3\n"), {"payload.mass=450 kg"});
+    const Scene one = read_text(with(""), {"payload.mass=150 kg"});
+    const RunRecord three = run_rom(cluster), single = run_rom(one);
+    EXPECT_NEAR(*three.metric("opening_shock_coefficient") / *single.metric("opening_shock_coefficient"), 1.0,
+                1e-6);
+}
+
+// One is never reefed and opens first; the other's line is cut after 4 s. Filling ends with the last one, and
+// the impulse is that of the force until then.
+TEST(RomSequence, FillingOfAClusterEndsWithItsLastCanopy) {
+    const RunRecord record = run_rom(read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/c9-reefed.toml",
+                                                {"parachute.count=2", "parachute.skips_reefing=1",
+                                                 "parachute.lag=[0, 0.1]", "payload.mass='300 kg'"}));
+    const double begin = record.find_event("line-stretch")->time, end = record.find_event("full-open")->time;
+    EXPECT_GT(end, 4.0);
+    EXPECT_NEAR(*record.metric("filling_time_s"), end - begin, 1e-9);
+    const auto &t = record.find_channel("time")->values, &force = record.find_channel("force")->values;
+    double impulse = 0.0;
+    for (std::size_t i = 1; i < t.size() && t[i] <= end; ++i)
+        impulse += 0.5 * (force[i] + force[i - 1]) * (t[i] - t[i - 1]);
+    EXPECT_NEAR(*record.metric("impulse_N_s") / impulse, 1.0, 2e-3);  // straight lines between rows
+}
+
+TEST(RomSequence, ThePeakIsWhereTheHistoryHasIt) {
+    for (const char* name : {"c9-inflation", "c9-crosswind", "personnel"}) {
+        const RunRecord record =
+            run_rom(read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/" + std::string(name) + ".toml"));
+        const Event peak = *record.find_event("peak-force");
+        const auto at = [&](const char* channel) {
+            const auto &t = record.find_channel("time")->values, &y = record.find_channel(channel)->values;
+            const auto i = static_cast<std::size_t>(std::ranges::upper_bound(t, peak.time) - t.begin());
+            return y[i - 1] + (peak.time - t[i - 1]) / (t[i] - t[i - 1]) * (y[i] - y[i - 1]);
+        };
+        // Rows are some 10 ms apart, where altitudes bend by h^2/8 of 50 m/s^2.
+        EXPECT_NEAR(peak.altitude, at("altitude"), 2e-3) << name;
+        EXPECT_NEAR(peak.speed, at("speed"), 1e-6) << name;
+    }
+}
+
 /// Balance of the pull of two canopies, one a second late, on the confluence in a flight across the wind of
 /// their own speed, with the pull on the payload in the equation of motion: one law, summed.
 void expect_balance(const Scene& scene, const AddedMassSpec* added_mass) {

@@ -117,6 +117,32 @@ TEST(Sizing, AParachuteThatNeverOpensMeetsNoLimit) {
         << none.best()->found->judged.why_not;
 }
 
+TEST(Sizing, ARunThatEndsBeforeTheCanopyIsFullMeetsNoLimitOfLoad) {
+    // It fills within 0.5 s: the largest force until 0.3 s is less than that of the opening.
+    const Sized early = sized(edited(level, "[stop]\ntime = 1", "[stop]\ntime = 0.3"));
+    EXPECT_FALSE(early.best()->meets());
+    EXPECT_TRUE(
+        early.best()->found->judged.why_not.starts_with("the run ends before there is a canopy that is"))
+        << early.best()->found->judged.why_not;
+    // Where the peak ends it, that is the load.
+    const double whole = sized(level).best()->found->scene.release.speed;
+    const Sized at_peak = sized(edited(level, "[stop]\ntime = 1", "[stop]\nat = \"peak-force\""));
+    EXPECT_NEAR(at_peak.best()->found->scene.release.speed, whole, 1e-6 * whole);
+}
+
+TEST(Sizing, TheLeastLoadIsLookedForAmongWhatMeetsTheLimits) {
+    // As it stands the delay meets all three; that of the least load alone lets the capsule fall too fast.
+    const std::vector<std::string> limits{"size.max_descent_rate='30 ft/s'", "size.max_force='15000 lbf'",
+                                          "size.max_deceleration='3 g0'"};
+    const auto found = [&](const char* vary) {
+        std::vector<std::string> keys = limits;
+        keys.emplace_back(vary);
+        return rom::size_scene(read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/capsule-reefed.toml", keys), {});
+    };
+    EXPECT_TRUE(found("size.vary='nominal_diameter'").best()->meets());
+    EXPECT_TRUE(found("size.vary=['nominal_diameter','cutter_delay']").best()->meets());
+}
+
 TEST(Sizing, DescentRateIsTheBalanceOfWeightAndDrag) {
     const Sized all = sized(falling);
     ASSERT_TRUE(all.best() != nullptr && all.best()->meets());
