@@ -158,6 +158,7 @@ std::string summary_json_of(const Scene& scene, const std::vector<View>& views) 
         cables[kind] = s.cables[i];
         masses[kind] = s.cable_mass[i];
     }
+    cables["reefing line"] = s.reefing_line;
     masses["total"] = s.total_mass;
     masses["parachute.mass"] = scene.parachutes.front().mass;
     ordered_json meshes = ordered_json::array();
@@ -201,6 +202,7 @@ std::string summary_text_of(const Scene& scene, const std::vector<View>& views, 
     for (std::size_t i = 0; i < cable_kind_count; ++i)
         row(fmt::format("{} cables", cable_kind_name(static_cast<CableKind>(i))), s.cables[i],
             s.cable_mass[i]);
+    if (s.reefing_line > 0) row("reefing line cables", s.reefing_line, 0.0);
     table.rows.push_back({"parachute", "", fmt::format("{:.3f}", s.total_mass),
                           fmt::format("parachute.mass says {:.3f} kg, {:+.1f} %", chute.mass,
                                       100.0 * (s.total_mass / chute.mass - 1.0))});

@@ -9,6 +9,9 @@
 namespace twinchute::rom {
 namespace {
 
+/// [-] upward share of the speed from which a payload turns over its canopy at the apogee.
+constexpr double steep_climb = 0.5;
+
 const Canopy& canopy_of(const OpeningSequence& sequence, std::size_t index) {
     return *std::ranges::find(sequence.all(), index, &Canopy::index);
 }
@@ -98,6 +101,13 @@ void Openings::note_snatch(const OpeningEvent& what, const FlightState& now) {
     }
     add_opening_warnings(context_.record, scene_, chute, canopy_of(sequence_, what.index).inflation,
                          now.altitude, now.airspeed, now.density);
+    if (now.climb > steep_climb * now.airspeed)
+        context_.record.warnings.push_back(
+            {fmt::format("{} opens while the payload climbs",
+                         scene_.parachutes.size() > 1 ? chute.name : "the canopy"),
+             "the model keeps it behind the payload: near the apogee lines go slack and the payload "
+             "overtakes it",
+             "look at the full model, or deploy at the apogee"});
 }
 
 /// A stage is full, or the whole canopy.

@@ -144,7 +144,11 @@ ExpectedRow read_row(SuiteTable& reader, const ValidationCase& owner) {
                           suggest(name, {owner.fidelities.begin(), owner.fidelities.end()}));
     row.expected = reader.amount("expected", unit);
     row.column = reader.text("column");
-    if (const auto factor = reader.amount("factor", "1")) row.factor = *factor;
+    if (const auto factor = reader.amount("factor", "1")) {
+        if (row.column.empty())
+            reader.refuse("factor", "is not used", "it is of the numbers of a column", "leave it out");
+        row.factor = *factor;
+    }
     row.tolerance = reader.tolerance("tolerance", unit);
     row.sigma = reader.tolerance("sigma", unit);
     row.judged = reader.flag("judged", true);

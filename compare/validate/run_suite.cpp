@@ -62,8 +62,9 @@ public:
             for (std::size_t i = 0; i < rows.size(); ++i)
                 rows[i].sigma_inputs = spread.sigma[i];
         }
-        if (!case_.uncertain.empty()) propagate(rows, nominal);
-        if (case_.bracket) bracket(rows, nominal);
+        const Scene found = fitted_.empty() ? nominal : scenes_.scene(line_, fitted_);
+        if (!case_.uncertain.empty()) propagate(rows, found);
+        if (case_.bracket) bracket(rows, found);
         for (std::size_t i = 0; i < rows.size(); ++i)
             judge(rows[i], case_.rows[i], i == 0 && case_.fit);
         return of_this_fidelity(std::move(rows));
@@ -177,8 +178,9 @@ private:
                 changes[i].push_back(fmt::format("{}={}", key, middle + width * z[i]));
         }
         const Spread spread = spread_of(run_all(changes));
-        for (std::size_t i = 0; i < rows.size(); ++i)
-            rows[i].sigma_inputs = spread.sigma[i];
+        for (std::size_t i = 0; i < rows.size(); ++i)  // beside those of a calibration
+            if (const auto& sigma = spread.sigma[i])
+                rows[i].sigma_inputs = std::hypot(rows[i].sigma_inputs.value_or(0.0), *sigma);
     }
 
     void bracket(std::vector<RowResult>& rows, const Scene& nominal) const {

@@ -94,7 +94,7 @@ std::optional<Tolerance> SuiteTable::tolerance(std::string_view key, std::string
     const toml::node* node = find(key);
     if (!node) return {};
     const auto words = node->value_exact<std::string>();
-    const bool relative = words && words->ends_with('%');
+    const bool relative = words && is_share(*words);
     const Tolerance found{*amount(key, relative ? "1" : unit), relative};
     if (found.value < 0.0) refuse(key, "is negative", "", "give its size");
     return found;

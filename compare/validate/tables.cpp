@@ -8,6 +8,7 @@
 
 #include "lib/scene/logged_table.hpp"
 #include "lib/scene/scene_error.hpp"
+#include "lib/scene/units.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -31,10 +32,13 @@ std::optional<std::size_t> ReferenceTable::column(std::string_view name) const {
 }
 
 std::optional<double> ReferenceTable::number(std::size_t line, std::size_t column) const {
-    const std::string& text = lines[line][column];
+    const std::string_view text = trimmed(lines[line][column]);
     double value = 0.0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc{}) return {};
+    // A remark in brackets, and no unit: "8 (reefed 6)".
+    const std::string_view rest = trimmed({end, text.data() + text.size()});
+    if (!rest.empty() && !rest.starts_with('(')) return {};
     return value;
 }
 

@@ -48,7 +48,9 @@ double spread_of(const TrendAsked& asked, const std::vector<Bundle>& bundles) {
         for (const SeriesPoint* point : bundle)
             sum += values.emplace_back(*value_of(*point, asked.y));
         const auto [low, high] = std::ranges::minmax_element(values);
-        largest = std::max(largest, (*high - *low) / (sum / static_cast<double>(values.size())));
+        const double spread = (*high - *low) / std::abs(sum / static_cast<double>(values.size()));
+        if (std::isnan(spread)) return spread;
+        largest = std::max(largest, spread);
     }
     return largest;
 }

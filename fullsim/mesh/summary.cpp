@@ -29,7 +29,7 @@ MeshSummary summarise(const Mesh& mesh) {
     for (std::size_t i = 0; i < mesh.cables.size(); ++i) {
         const Cable& c = mesh.cables[i];
         const auto kind = static_cast<std::size_t>(c.kind);
-        ++s.cables[kind];
+        ++(std::ranges::binary_search(mesh.reefing_line, i) ? s.reefing_line : s.cables[kind]);
         s.cable_mass[kind] += mesh.cable_mass(i);
         s.smallest_edge = std::min(s.smallest_edge, c.rest_length);
     }

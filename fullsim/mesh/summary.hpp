@@ -12,7 +12,8 @@ inline constexpr std::size_t cable_kind_count = std::tuple_size_v<decltype(Mesh:
 struct MeshSummary {
     int nodes = 0;
     std::size_t triangles = 0;
-    std::array<std::size_t, cable_kind_count> cables{};  ///< by CableKind
+    std::array<std::size_t, cable_kind_count> cables{};  ///< by CableKind, the reefing line apart
+    std::size_t reefing_line = 0;                        ///< cables of it
     double fabric_mass = 0.0;                            ///< [kg]
     std::array<double, cable_kind_count> cable_mass{};   ///< [kg] by CableKind
     double total_mass = 0.0;                             ///< [kg] without the payload

@@ -14,7 +14,7 @@
 
 namespace twinchute::fullsim {
 
-/// Cords whose tension is a metric, suspension lines apart: of a tape, of vent lines, the reefing line.
+/// Cords whose tension is a metric, suspension lines apart: tapes and bands, vent lines, the reefing line.
 struct CordGroup {
     CableKind kind;
     bool reefs;
@@ -23,8 +23,8 @@ struct CordGroup {
 };
 inline constexpr std::array cord_groups{
     CordGroup{CableKind::radial, false, "max_radial_tape_tension_N", "radial tapes"},
-    CordGroup{CableKind::skirt, false, "max_skirt_tape_tension_N", "the skirt's tape"},
-    CordGroup{CableKind::vent, false, "max_vent_tape_tension_N", "the vent's tape"},
+    CordGroup{CableKind::skirt, false, "max_skirt_band_tension_N", "the skirt band"},
+    CordGroup{CableKind::vent, false, "max_vent_band_tension_N", "the vent band"},
     CordGroup{CableKind::vent_line, false, "max_vent_line_tension_N", "vent lines"},
     CordGroup{CableKind::skirt, true, "max_reefing_line_tension_N", "the reefing line"}};
 using CordTensions = std::array<double, cord_groups.size()>;  // [N] as cord_groups

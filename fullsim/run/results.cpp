@@ -245,7 +245,7 @@ std::string factors_text(const StrengthFactors& factors) {
                        factors.design_factor);
 }
 
-/// Largest tensions of tapes, vent lines and the reefing line, and the least of their margins.
+/// Largest tensions of tapes, bands, vent lines and the reefing line, and the least of their margins.
 void add_cord_loads(const RunView& run, RunRecord& record) {
     const StrengthFactors& factors = run.parachute().strength;
     const CordTensions& most = run.observer.rows().back().tension;

@@ -65,7 +65,8 @@ std::vector<const State*> Stages::states(const Cluster& cluster) {
 void Stages::close_snatch(const Observer& all) {
     if (!snatches_) return;
     snatches_ = false;
-    if (owners_.back().opening >= 0) opened_.back().snatch_force = all.snatch_peak().value;
+    const std::ptrdiff_t owner = owners_.back().opening;
+    if (owner >= 0) opened_[static_cast<std::size_t>(owner)].snatch_force = all.snatch_peak().value;
 }
 
 void Stages::close_for_another() {
@@ -84,7 +85,8 @@ void Stages::leaves_pack(double time, Observer& all) {
 void Stages::opens(std::size_t parachute, const RunView& canopies, double initial_time, double time,
                    Observer& all) {
     const auto own = static_cast<std::ptrdiff_t>(opened_.size());
-    if (!canopies.packed()) close_for_another();
+    const bool of_another = owners_.back().opening >= 0;  // which has opened while this pack was drawn out
+    if (!canopies.packed() || of_another) close_for_another();
     ParachuteResult opening;
     opening.index = parachute;
     opening.snatch_time = time;
@@ -92,6 +94,10 @@ void Stages::opens(std::size_t parachute, const RunView& canopies, double initia
     opening.stages.push_back({time});
     opened_.push_back(std::move(opening));
     if (canopies.packed()) {
+        if (of_another) {
+            all.begin_stage(time);
+            owners_.push_back({});
+        }
         owners_.back() = {own, 0};
         all.count_peak_from(time + initial_time);
     } else {

@@ -45,6 +45,52 @@ Inflation without_lag(const RunView& run) {
     return inflation;
 }
 
+namespace {
+
+/// [-] of the drag at the peak: more is the bounce of the snatch. Shipped scenes that ring have 2.3 and more,
+/// others 1.9 at most.
+constexpr double ringing_pull = 2.0;
+
+/// A payload that climbs or comes to rest in the air falls past its canopy: lines go slack, the canopy turns
+/// inside out, and what pulls then is a second snatch. Looked for once the canopy is half open.
+void warn_of_overtaking(const RunView& run, RunRecord& record) {
+    constexpr double slack = 0.02,
+                     longest = 0.25;     // [-] of the weight; of the time that one D0 takes at last
+    constexpr double inside_out = -0.2;  // [-] signed over projected area
+    const Parachute& chute = run.parachute();
+    const double weight = run.scene.payload.mass * run.scene.environment.gravity,
+                 area = chute.count * chute.cluster_drag_ratio * chute.drag_area;
+    if (run.scene.parachutes.size() > 1) return;
+    double slack_from = -1.0, slack_for = 0.0, least = 1.0;
+    bool half_open = false;
+    for (const HistoryRow& row : run.observer.rows()) {
+        half_open = half_open || row.drag_area >= 0.5 * area;
+        if (!half_open) continue;
+        if (row.projected_area > 0.0) least = std::min(least, row.signed_area / row.projected_area);
+        if (row.force > slack * weight) {
+            slack_from = -1.0;
+            continue;
+        }
+        if (slack_from < 0.0) slack_from = row.time;
+        const double steady = std::sqrt(2.0 * weight / (row.density * area));
+        if (row.time - slack_from > longest * chute.nominal_diameter / steady)
+            slack_for = std::max(slack_for, row.time - slack_from);
+    }
+    const auto warn = [&](std::string what) {
+        record.warnings.push_back(
+            {std::move(what),
+             "the payload overtook its canopy: forces after that are of another snatch, "
+             "the peak force perhaps",
+             "look at the history, and deploy where the payload does not come to rest"});
+    };
+    if (slack_for > 0.0)
+        warn(fmt::format("the lines were slack for {:.2g} s under an open canopy", slack_for));
+    if (least < inside_out)
+        warn(fmt::format("the canopy turned inside out: signed over projected area was {:.2f}", least));
+}
+
+}  // namespace
+
 void add_warnings(const RunView& run, std::optional<double> steady_area, RunRecord& record) {
     const Parachute& chute = run.parachute();
     const auto warn = [&](std::string what, std::string why, std::string suggestion) {
@@ -69,6 +115,17 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
                 "damps it",
                 "take it for a snatch force, or give full.alpha a value");
     }
+    if (run.packed() && opened && run.sequence && record.metric("peak_force_N")) {
+        const Observer::Peak& peak = run.largest_peak();
+        const auto& rows = run.observer.rows();
+        const auto row = std::ranges::lower_bound(rows, peak.time, {}, &HistoryRow::time);
+        if (row != rows.end() && peak.value > ringing_pull * row->dynamic_pressure * row->drag_area)
+            warn(fmt::format("the peak force, at {:.3g} s, is {:.1f} times the drag of that moment",
+                             peak.time, peak.value / (row->dynamic_pressure * row->drag_area)),
+                 "the snatch still rings: payload and canopy bounce on the lines, and little but the fabric "
+                 "damps it",
+                 "take it for a snatch force, or give full.alpha a value");
+    }
     if (!run.has_settled())
         warn("the open canopy had not settled into its shape when it was released",
              "dynamic relaxation did not come to rest: fabric and lines ring as they take their load",
@@ -89,8 +146,10 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
              "fabric rings on as it fills, and the riser with it: forces are up to half above those of the "
              "drag (docs/theory/full-model.md)",
              "give aerodynamics.breathing_damping, e.g. { k = 0.5 }");
+    if (opened && flight_too) warn_of_overtaking(run, record);
     if (run.findings.switched_late)
-        warn("finite elements took over at full open only",
+        warn(chute.reefing.empty() ? "finite elements took over at full open only"
+                                   : "finite elements took over once a stage was full only",
              fmt::format("the mouth never reached {:g} of the steady projected area",
                          run.scene.full.switch_area_ratio),
              "look at the shape; a smaller full.switch_area_ratio hands over earlier");
@@ -100,10 +159,12 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
              "the full model takes its mass from fabric, tapes and lines",
              "correct parachute.mass, or the materials");
     for (const auto& [key, of_what] : {std::pair{"line_strength_margin", "suspension lines"},
-                                       {"cord_strength_margin", "tapes, vent lines or the reefing line"},
+                                       {"cord_strength_margin", ""},  // its note says which
                                        {"membrane_strength_margin_p90", "a tenth of the fabric"}})
         if (const Metric* margin = record.find_metric(key); margin && margin->value < 0.0)
-            warn(fmt::format("{} would have broken: {} is {:.2f}", of_what, key, margin->value),
+            warn(fmt::format("{} would have broken: {} is {:.2f}",
+                             *of_what ? of_what : margin->note.substr(0, margin->note.find(':')), key,
+                             margin->value),
                  "the model goes on, elastic as before: what follows could not have happened",
                  "take what is stronger, or load it less");
     if (!run.simulation().mesh().other_fabrics.empty())

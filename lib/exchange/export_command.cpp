@@ -80,28 +80,18 @@ std::optional<double> metric_of(const RunRecord& record, const Scene& scene, con
     return record.metric(metric_head(chute.name) + key);
 }
 
-std::string python_letters(std::string_view name) {
-    std::string out;
-    for (const char c : name)
-        out += (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ? c : '_';
-    return out;
-}
-
-/// No keyword of Python, and no two alike.
-std::string python_name(const Scene& scene, const Parachute& chute) {
+std::string python_name(const std::string& name) {
     constexpr std::array<std::string_view, 35> keywords{
         "False", "None",     "True",  "and",    "as",   "assert", "async",  "await",    "break",
         "class", "continue", "def",   "del",    "elif", "else",   "except", "finally",  "for",
         "from",  "global",   "if",    "import", "in",   "is",     "lambda", "nonlocal", "not",
         "or",    "pass",     "raise", "return", "try",  "while",  "with",   "yield"};
-    const std::string letters = python_letters(chute.name);
-    const auto same = [&](const Parachute& other) { return python_letters(other.name) == letters; };
-    const bool is_name = !letters.empty() && !(letters[0] >= '0' && letters[0] <= '9') &&
-                         std::ranges::count(keywords, letters) == 0;
-    std::string name = is_name ? letters : "parachute_" + letters;
-    if (std::ranges::count_if(scene.parachutes, same) > 1)
-        name += fmt::format("_{}", &chute - scene.parachutes.data() + 1);
-    return name;
+    std::string out;
+    for (const char c : name)
+        out += (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ? c : '_';
+    const bool is_name =
+        !out.empty() && !(out[0] >= '0' && out[0] <= '9') && std::ranges::count(keywords, out) == 0;
+    return is_name ? out : "parachute_" + out;
 }
 
 /// RocketPy flies under the parachute that opened last, and drops it where another opens.
@@ -136,8 +126,7 @@ std::string parachute_text(const Scene& scene, const RunRecord& record, const Pa
     left_out(!filling, "filling time: the parachute does not open in this scene");
     const double drag_area = chute.count * chute.cluster_drag_ratio * chute.drag_area;
     const std::string of_cluster = chute.count > 1 ? fmt::format(", {} canopies", chute.count) : "";
-    text +=
-        fmt::format("{} = Parachute(\n    name={},\n", python_name(scene, chute), toml_string(chute.name));
+    text += fmt::format("{} = Parachute(\n    name={},\n", python_name(chute.name), toml_string(chute.name));
     text += fmt::format("    cd_s={:.6g},  # [m2] steady drag area{}\n", drag_area, of_cluster);
     text += fmt::format("    trigger={},{}\n", trigger.python,
                         trigger.comment.empty() ? "" : "  # " + trigger.comment);

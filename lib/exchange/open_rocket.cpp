@@ -284,11 +284,13 @@ private:
             return by == 0.0 ? fmt::format("{{ {} }}", condition)
                              : fmt::format("{{ {}, delay = {} }}", condition, toml_quantity(by, "s"));
         };
-        if (event == "altitude")
+        const auto stored = stored_deployment(device);
+        // Where the scene begins after it was met, the delay has begun, too.
+        const bool was_met = stored && *stored - delay < release_ - 1e-6;
+        if (event == "altitude" && !was_met)
             return {
                 delayed(fmt::format("height = {}", toml_quantity(design_.altitude_of(device), "m")), delay),
                 "deploy altitude, above the launch site"};
-        const auto stored = stored_deployment(device);
         if (!stored) {
             if (event == "apogee") return {delayed("at = \"apogee\"", delay), ""};
             if (event == "ejection")

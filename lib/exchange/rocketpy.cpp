@@ -459,16 +459,22 @@ private:
         const std::string comment = chute.lag > 0.0 ? "trigger and lag" : "trigger";
         const bool before = chute.opened && !rows_.empty() && std::abs(*chute.opened - release_) < 1e-9;
         SmallOpening opening{"", comment, std::sqrt(4.0 * nominal_area(chute) / pi), {}};
-        if (before)
-            opening.comment += " of the stored flight";
+        // Met before the scene begins; the lag has begun, too.
+        const bool was_met = !before && chute.opened && !rows_.empty() && *chute.opened > release_ &&
+                             *chute.opened - chute.lag < release_ - 1e-9;
+        if (before || was_met) opening.comment += " of the stored flight";
+        if (was_met)
+            opening.when = fmt::format("{{ time = {} }}", toml_quantity(*chute.opened - release_, "s"));
+        else if (before)
+            opening.when = "";
         else if (chute.when == Chute::When::apogee)
             opening.when = fmt::format("{{ at = \"apogee\"{} }}", lag);
         else if (chute.when == Chute::When::height)
             opening.when = fmt::format("{{ height = {}{} }}", toml_quantity(chute.height, "m"), lag);
         else
             opening.when = "-";
-        if (before || (chute.when == Chute::When::apogee && release_ == apogee_))
-            opening.airspeed = airspeed_at(before ? 0.0 : chute.lag);
+        if (before || was_met || (chute.when == Chute::When::apogee && release_ == apogee_))
+            opening.airspeed = airspeed_at(before ? 0.0 : was_met ? *chute.opened - release_ : chute.lag);
         add_opening(scene_, table, opening);
         if (opening.when == "-") {
             ImportedKey& missing = *std::ranges::find(table.keys, "deploy.when", &ImportedKey::key);

@@ -640,6 +640,13 @@ void check_sequence(const Scene& scene, const std::vector<Values>& values) {
         if (static_cast<std::size_t>(find(name) - scene.parachutes.begin()) != k)
             complain.about("parachute.name", fmt::format("two parachutes are called '{}'", name),
                            "keys and metrics carry the name", "give each a name of its own");
+        const auto alike = std::ranges::find(scene.parachutes, metric_head(name),
+                                             [](const Parachute& other) { return metric_head(other.name); });
+        if (alike->name != name)
+            complain.about("parachute.name",
+                           fmt::format("'{}' and '{}' have the same metrics, {}...", alike->name, name,
+                                       metric_head(name)),
+                           "capitals and signs are no difference there", "choose other names");
         check_name(name, complain);
     }
     int at_release = 0;

@@ -311,6 +311,13 @@ std::string_view trimmed(std::string_view text) {
     return text;
 }
 
+bool is_share(std::string_view text) {
+    std::string spelled(trimmed(text));  // UDUNITS-2 minds no case
+    std::ranges::transform(spelled, spelled.begin(),
+                           [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    return spelled.ends_with('%') || spelled.ends_with("percent");
+}
+
 bool units_loaded() {
     return loaded;
 }

@@ -55,6 +55,9 @@ bool is_space(char c);
 /// The text without blanks and tabs at its ends.
 std::string_view trimmed(std::string_view text);
 
+/// Whether an amount is a share: "10 %", "10 Percent ".
+bool is_share(std::string_view text);
+
 /// True once the database of UDUNITS-2 is in memory (it takes milliseconds to load).
 bool units_loaded();
 

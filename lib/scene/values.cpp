@@ -169,10 +169,7 @@ void Values::read_tolerance(const std::string& path, const Entry& entry) {
         refuse(entry.value_place, path, "a tolerance without a unit",
                "a bare number could be a share or a value", fmt::format("write \"10 %\" or \"1 {}\"", unit));
     Tolerance tolerance;
-    std::string spelled(trimmed(*text));  // UDUNITS-2 minds no case
-    std::ranges::transform(spelled, spelled.begin(),
-                           [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-    tolerance.relative = spelled.ends_with('%') || spelled.ends_with("percent");
+    tolerance.relative = is_share(*text);
     try {
         tolerance.value = to_si(*text, tolerance.relative ? "1" : unit);
     } catch (const UnitError& error) {

@@ -534,6 +534,9 @@ bool overshoots(const Parachute& chute) {
 /// [-] change of the snatch speed by gravity during filling, up to which it is one speed for all of it.
 constexpr double steady_speed = 0.1;
 
+/// [-] of the snatch speed that may be gained in the lead of a predicted filling.
+constexpr double slow_lead = 0.3;
+
 /// A canopy is opened by air that presses harder than it will at last, unless the scene says how long it
 /// takes.
 void warn_of_weak_snatch(RunRecord& record, const Scene& scene, const Parachute& chute,
@@ -595,7 +598,17 @@ void add_opening_warnings(RunRecord& record, const Scene& scene, const Parachute
                  : "above 1 the drag area overshoots its steady value, which the drag-area law does not know",
              "treat the peak force as a lower bound"});
     // The others judge a filling time that was told.
-    if (chute.filling.is_predicted()) return warn_of_round_filling(record, chute, whose);
+    if (chute.filling.is_predicted()) {
+        if (scene.environment.gravity * inflation.initial_time > slow_lead * speed)
+            record.warnings.push_back(
+                {fmt::format("{}too slow for a predicted filling: {:.3g} m/s at snatch", whose, speed),
+                 fmt::format(
+                     "the half diameter ahead of it takes {:.3g} s at that speed, in which the payload "
+                     "falls faster",
+                     inflation.initial_time),
+                 "release faster or fall further before snatch, or prescribe the filling"});
+        return warn_of_round_filling(record, chute, whose);
+    }
     warn_of_weak_snatch(record, scene, chute, inflation, speed, density, whose);
     warn_of_fill_table(record, chute, in, whose);
     warn_of_typical_filling(record, chute, speed, whose);

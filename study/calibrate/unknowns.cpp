@@ -88,7 +88,11 @@ FitVariable variable_of(const Scene& scene, const Vary& vary, const Key& row) {
     const auto value = value_in(scene, vary.key, row);
     if (vary.low) {
         v.low = *vary.low, v.high = *vary.high;
-        v.start = std::clamp(value.value_or(0.5 * (v.low + v.high)), v.low, v.high);
+        v.start = value.value_or(0.5 * (v.low + v.high));
+        if (v.start < v.low || v.start > v.high)
+            refuse_vary(vary.key,
+                        fmt::format("the scene's {:g} lies outside {:g}..{:g}", v.start, v.low, v.high),
+                        "what is found is told and held relative to it: widen the bounds, or set the key");
     } else {
         const auto bounds = std::ranges::find(default_bounds, row.path, &DefaultBounds::path);
         if (!value)
@@ -167,10 +171,14 @@ Vary read_vary(const std::string& text) {
     if (dots == range.npos) throw refuse("bounds are written LO..HI");
     const Key* row = find_key(scene_keys(), vary.key);
     const std::string unit(row && !row->unit.empty() ? row->unit : vary.key == clock_offset ? "s" : "1");
+    int bare = 0;  // bounds without a unit
     const auto number = [&](std::string word) {
         double value = 0.0;
         const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-        if (error == std::errc{} && end == word.data() + word.size()) return value;
+        if (error == std::errc{} && end == word.data() + word.size()) {
+            ++bare;
+            return value;
+        }
         try {
             return to_si(word, unit);
         } catch (const UnitError& problem) {
@@ -179,6 +187,7 @@ Vary read_vary(const std::string& text) {
     };
     vary.low = number(range.substr(0, dots));
     vary.high = number(range.substr(dots + 2));
+    if (bare == 1) throw refuse("one bound has a unit and the other has none");
     if (!std::isfinite(*vary.low) || !std::isfinite(*vary.high) || !(*vary.high > *vary.low))
         throw refuse("the lower bound comes first");
     return vary;

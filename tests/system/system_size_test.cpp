@@ -72,7 +72,7 @@ TEST_F(SystemSize, ASizedCanopyWithAStructureIsReadyToCompare) {
 TEST_F(SystemSize, SaysWhichLimitCannotBeMetAndByHowMuch) {
     const Ended ended = run({"size", rocket, "--set", "size.max_force=300 N", "--out", "sized.toml"});
     EXPECT_EQ(ended.code, 1);
-    EXPECT_TRUE(says(ended.out, "no value meets the limits")) << ended.out;
+    EXPECT_TRUE(says(ended.out, "no value was found that meets the limits")) << ended.out;
     EXPECT_TRUE(says(ended.out, "% too much")) << ended.out;
     EXPECT_TRUE(nothing_written());
     const json found = json::parse(run({"size", rocket, "--set", "size.max_force=300 N", "--json"}).out);

@@ -195,10 +195,57 @@ TEST_F(ValidateRun, AFittedRowJudgesNothingButTheOthersDo) {
     EXPECT_EQ(result.rows[0].why, "payload.mass = 20");
     EXPECT_EQ(result.rows[1].verdict, RowVerdict::exceeded);
     EXPECT_NEAR(*result.rows[1].predicted, std::sqrt(2.0) * speed_, 0.01);
+    // Ends of a bracket lie about what was found, and about what the scene says where nothing was.
+    const RowResult around =
+        run("[[case]]\nname = \"c\"\nsource = \"s\"\nbase = \"fall.toml\"\n"
+            "fit = { key = \"payload.mass\", low = 1, high = 100 }\n"
+            "bracket = { \"payload.mass\" = \"19 %\" }\nrow = [\n"
+            "{ quantity = \"fall_speed\", height = 20, expected = " +
+            std::to_string(std::sqrt(2.0) * speed_) +
+            ", sigma = 1 },\n{ quantity = \"fall_speed\", height = 30, expected = 1, sigma = "
+            "0.1 }]\n")
+            .rows[1];
+    EXPECT_NEAR(*around.low, std::sqrt(2.0 * 0.81) * speed_, 0.01);
+    EXPECT_NEAR(*around.high, std::sqrt(2.0 * 1.19) * speed_, 0.02);
     const SuiteResult hopeless = run_case("fit = { key = \"payload.mass\", low = 1, high = 2 }",
                                           "quantity = \"fall_speed\", height = 20, expected = 90, sigma = 1");
     EXPECT_EQ(hopeless.rows[0].verdict, RowVerdict::not_run);
     EXPECT_EQ(hopeless.rows[0].why, "no payload.mass from 1 to 2 gives the expected value");
+}
+
+TEST_F(ValidateRun, SharesAreSharesHoweverTheyAreSpelled) {
+    for (const char* five : {"5 %", "5 percent", "5 Percent ", "5 % "})
+        EXPECT_NEAR(
+            *run_case("",
+                      std::string("quantity = \"fall_speed\", height = 20, expected = 40, tolerance = \"") +
+                          five + "\"")
+                 .rows[0]
+                 .tolerance,
+            2.0, 1e-12)
+            << five;
+}
+
+// A spread is over the size of the mean, whatever its sign; grades and sigma hold for trends as for numbers.
+TEST_F(ValidateRun, TrendsAreJudgedAsNumbersAre) {
+    here_.write("ser.toml",
+                "base = \"fall.toml\"\nname = \"wind\"\nstop.at = \"ground\"\n"
+                "[series]\nx = \"drift\"\ny = \"landing_east\"\n"
+                "[[case]]\nname = \"a\"\nset = { \"environment.wind.speed\" = \"2 m/s\", "
+                "\"environment.wind.from\" = \"90 deg\" }\n"
+                "[[case]]\nname = \"b\"\nset = { \"environment.wind.speed\" = \"8 m/s\", "
+                "\"environment.wind.from\" = \"90 deg\" }\n");
+    const auto judged = [&](const std::string& keys) {
+        return run("[[case]]\nname = \"c\"\nsource = \"s\"\nseries = \"ser.toml\"\nrow = [{ trend = "
+                   "\"spread\", "
+                   "y = \"landing_east\", " +
+                   keys + " }]\n")
+            .rows[0];
+    };
+    const RowResult west = judged("expected = 0, tolerance = 0.01");
+    EXPECT_EQ(west.verdict, RowVerdict::exceeded);
+    EXPECT_NEAR(west.predicted.value_or(0.0), 1.2, 0.1);  // (8 - 2)/5 of drifts that go with the wind
+    EXPECT_EQ(judged("expected = 0, tolerance = 0.01, grade = \"D\"").verdict, RowVerdict::not_judged);
+    EXPECT_EQ(judged("expected = 1.2, sigma = 0.1").verdict, RowVerdict::within);
 }
 
 TEST_F(ValidateRun, EveryLineOfATableIsARunAndTheWorstIsShown) {

@@ -142,6 +142,8 @@ TEST(ValidateTables, ReferenceTablesAreTextWithNumbers) {
     EXPECT_EQ(table.number(1, 0), 8.0);
     EXPECT_FALSE(table.number(0, 1));
     EXPECT_FALSE(table.number(1, 1));
+    // A unit behind a number would be lost.
+    EXPECT_FALSE(read_reference_table("a\n120 lb\n", "t.csv").number(0, 0));
     EXPECT_THROW(read_reference_table("a,b\n1\n", "t.csv"), SceneError);
     EXPECT_THROW(read_reference_table("# nothing\na,b\n", "t.csv"), SceneError);
 }

@@ -245,9 +245,8 @@ TEST(CampaignSampler, RefusesWhatVariesWithoutEffect) {
         }
         return std::string();
     };
-    const std::string own = shipped("c9-drift").parachutes.front().name;
-    const std::string named = fmt::format("parachute.{}.drag_area", own);
-    EXPECT_NE(refusal("parachute.drag_area", named.c_str()).find("varies without effect"), std::string::npos);
+    EXPECT_NE(refusal("parachute.drag_area", "parachute.1.drag_area").find("varies without effect"),
+              std::string::npos);
     EXPECT_NE(refusal("parachute.drag_area", "parachute.drag_coefficient").find("varies without effect"),
               std::string::npos);
     EXPECT_EQ(refusal("parachute.drag_area", "payload.mass"), "");

@@ -61,7 +61,7 @@ TEST(CalibrationOfASyntheticDrop, CountsHeightsFromTheGroundOfTheTest) {
     drop.more = {"environment.ground='8 m'"};
     Scene scene = demo_scene_with(drop.truth());
     scene.stop = {Trigger::Kind::time, 4.0, 0.0, {}};
-    Run run;
+    twinchute::Run run;
     std::vector<double> times;
     for (int i = 0; i < 80; ++i)
         times.push_back(0.05 * i);

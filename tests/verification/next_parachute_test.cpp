@@ -40,6 +40,35 @@ TEST(NextParachute, AParachuteThatFillsAsTheNextPullsHasNoPeak) {
     }
 }
 
+// One that is drawn out by itself snatches; the next one, from line stretch, does not.
+TEST(NextParachute, ASnatchIsThatOfTheParachuteFromThePack) {
+    const Scene scene = drogue_then_main(
+        {"parachute.drogue.deploy={by='mortar',muzzle_speed='15 m/s',when={time=0.2}}", "stop.time=4",
+         "parachute.main.deploy={by='line-stretch',when={time=3}}", "parachute.drogue.cut={time=3}"});
+    for (const RunRecord& record : {run_rom(scene), run_full(scene)}) {
+        EXPECT_TRUE(record.metric("drogue_snatch_force_N")) << record.fidelity << record.status.detail;
+        EXPECT_FALSE(record.metric("main_snatch_force_N")) << record.fidelity;
+    }
+}
+
+// The main opens and fills while the drogue's pack is still drawn out: each has the peak of its own.
+TEST(NextParachute, AParachuteThatOpensWhileAPackIsDrawnOutKeepsItsPeak) {
+    const Scene scene = drogue_then_main(
+        {"parachute.drogue.deploy={by='free',pack_drag_area=0.02,when={at='release'}}",
+         "parachute.main.deploy={by='line-stretch',when={time=0.1}}", "parachute.main.fill_time={time=0.3}",
+         "parachute.drogue.cut={time=9}", "stop.time=6"});
+    const RunRecord record = run_full(scene);
+    const auto largest = [&](const char* channel) {
+        const Channel* force = record.find_channel(channel);
+        return force ? std::ranges::max(force->values) : 0.0;
+    };
+    ASSERT_LT(record.find_event("main.line-stretch")->time, record.find_event("drogue.snatch")->time);
+    const double whole = largest("force");
+    ASSERT_TRUE(record.metric("main_peak_force_N"));
+    EXPECT_NEAR(*record.metric("main_peak_force_N") / whole, 1.0, 0.05);
+    EXPECT_LT(record.metric("drogue_peak_force_N").value_or(0.0), 0.9 * whole);
+}
+
 TEST(NextParachute, APackThatWaitsForAnotherSaysSo) {
     const RunRecord record = run_rom(
         drogue_then_main({"parachute.main.deploy.when={time=0.5}",
