@@ -89,10 +89,6 @@ FitVariable variable_of(const Scene& scene, const Vary& vary, const Key& row) {
     if (vary.low) {
         v.low = *vary.low, v.high = *vary.high;
         v.start = value.value_or(0.5 * (v.low + v.high));
-        if (v.start < v.low || v.start > v.high)
-            refuse_vary(vary.key,
-                        fmt::format("the scene's {:g} lies outside {:g}..{:g}", v.start, v.low, v.high),
-                        "what is found is told and held relative to it: widen the bounds, or set the key");
     } else {
         const auto bounds = std::ranges::find(default_bounds, row.path, &DefaultBounds::path);
         if (!value)
@@ -117,6 +113,9 @@ FitVariable variable_of(const Scene& scene, const Vary& vary, const Key& row) {
     if (!row.range.contains(v.low) || !row.range.contains(v.high) || !(v.high > v.low))
         refuse_vary(vary.key, fmt::format("{:g}..{:g} is out of its range", v.low, v.high),
                     allowed_text(row));
+    if (vary.low && (v.start < v.low || v.start > v.high))
+        refuse_vary(vary.key, fmt::format("the scene's {:g} lies outside {:g}..{:g}", v.start, v.low, v.high),
+                    "what is found is told and held relative to it: widen the bounds, or set the key");
     v.logarithmic = v.low > 0.0;
     constexpr double share = 1e-3;
     v.step = v.logarithmic ? share : share * std::max(std::abs(v.start), 1e-2 * (v.high - v.low));

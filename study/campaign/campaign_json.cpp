@@ -53,6 +53,7 @@ ordered_json answer_json(const Answer& answer, const CampaignSpec& campaign) {
     }
     if (spec.limit) json["limit"] = *spec.limit;
     json["verdict"] = verdict_name(answer.verdict);
+    if (!answer.note.empty()) json["note"] = answer.note;
     return json;
 }
 
