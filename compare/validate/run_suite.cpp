@@ -50,8 +50,10 @@ public:
         if (case_.fit) {
             const std::string trouble = fit(rows.front());
             if (!trouble.empty()) {
-                for (RowResult& row : rows)
-                    row.verdict = RowVerdict::not_run, row.why = trouble;
+                for (std::size_t i = 0; i < rows.size(); ++i) {
+                    rows[i].verdict = verdict_of(rows[i], case_.rows[i], false);  // nothing is predicted
+                    rows[i].why = trouble;
+                }
                 return of_this_fidelity(std::move(rows));
             }
         }

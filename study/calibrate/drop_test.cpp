@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <set>
 #include <system_error>
@@ -128,13 +129,26 @@ void read_priors(DropTest& test, const std::vector<compare::SuiteTable>& tables)
     }
 }
 
-/// Inputs of a record that say how it was dropped: the calibrated scene takes them over.
+bool is_of_any(std::string_view key, std::initializer_list<std::string_view> tables) {
+    return std::ranges::any_of(tables, [&](std::string_view table) { return key.starts_with(table); });
+}
+
+/// Inputs of a record that say how it was dropped, its defaults among them: the calibrated scene takes them
+/// over. Throws UsageError where the scene has a wind or something of the payload that the drop had not.
 std::vector<std::string> conditions_of(const RunRecord& record, const Scene& scene) {
+    for (const Input& input : scene.inputs)
+        if (input.origin == InputOrigin::given && is_of_any(input.key, {"payload.", "environment.wind."}) &&
+            !record.find_input(input.key))
+            throw UsageError(fmt::format(
+                "the scene gives {}, which the record of '{}' has not (its drop was another one), "
+                "calibrate a scene without it",
+                input.key, record.scene.name));
     std::vector<std::string> conditions;
     for (const Input& input : record.inputs) {
-        const bool drop = input.key.starts_with("payload.") || input.key.starts_with("release.") ||
-                          input.key.starts_with("environment.");
-        if (!drop || input.origin != InputOrigin::given) continue;
+        const bool drop = input.origin == InputOrigin::given
+                              ? is_of_any(input.key, {"payload.", "release.", "environment."})
+                              : is_of_any(input.key, {"payload.", "environment."});
+        if (!drop) continue;
         const auto own = std::ranges::find(scene.inputs, input.key, &Input::key);
         if (own != scene.inputs.end() && own->value == input.value) continue;
         if (const auto* number = std::get_if<double>(&input.value))

@@ -155,6 +155,30 @@ TEST_F(SystemCalibrate, RefusesBadInputAndWritesNothing) {
     EXPECT_EQ(tree_of(here_.path()), before);
 }
 
+// Defaults of a record are part of how it was dropped: here the standard atmosphere at 4 km, where the scene
+// has the air of sea level.
+TEST_F(SystemCalibrate, ARecordBringsItsAirWhetherItWasGivenOrNot) {
+    const auto scene = [](const char* air, const char* more = "") {
+        return std::string("schema = 1\nname = \"b\"\n") + air + "[payload]\nmass = 100\n" + more +
+               "[release]\naltitude = 4000\nspeed = 20\npath_angle = \"90 deg\"\n[[parachute]]\n"
+               "nominal_diameter = 8\ndrag_area = 40\nprojected_diameter_ratio = 0.7\nmass = 5\n"
+               "deploy = { by = \"line-stretch\" }\nfill_time.n = 8\n[stop]\nat = \"steady-descent\"\n";
+    };
+    here_.write("standard.toml", scene(""));
+    here_.write("sea-level.toml", scene("[environment]\natmosphere = { density = 1.225 }\n"));
+    here_.write("drag.toml", scene("", "drag_area = 0.5\n"));
+    ASSERT_EQ(run({"rom", "standard.toml", "--quiet", "--out", "record", "--set", "parachute.drag_area=42",
+                   "--set", "parachute.fill_time.n=6"})
+                  .code,
+              0);
+    const json found =
+        json::parse(run({"calibrate", "sea-level.toml", "--to", "record", "--out", "out", "--json"}).out);
+    EXPECT_NEAR(found["parameters"]["parachute.drag_area"]["estimate"].get<double>(), 42.0, 0.05);
+    const Ended other = run({"calibrate", "drag.toml", "--to", "record", "--out", "none"});
+    EXPECT_EQ(other.code, 2) << other.out;
+    EXPECT_TRUE(says(other.err, "the scene gives payload.drag_area")) << other.err;
+}
+
 // A record says itself how it was dropped; the model that made it gives its inputs back.
 TEST_F(SystemCalibrate, TakesARecord) {
     ASSERT_EQ(run({"rom", c9_drop, "--quiet", "--out", "record", "--set", "payload.mass=120 kg", "--set",

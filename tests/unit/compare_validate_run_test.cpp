@@ -209,7 +209,7 @@ TEST_F(ValidateRun, AFittedRowJudgesNothingButTheOthersDo) {
     EXPECT_NEAR(*around.high, std::sqrt(2.0 * 1.19) * speed_, 0.02);
     const SuiteResult hopeless = run_case("fit = { key = \"payload.mass\", low = 1, high = 2 }",
                                           "quantity = \"fall_speed\", height = 20, expected = 90, sigma = 1");
-    EXPECT_EQ(hopeless.rows[0].verdict, RowVerdict::not_run);
+    EXPECT_EQ(hopeless.rows[0].verdict, RowVerdict::exceeded);  // no value meets it
     EXPECT_EQ(hopeless.rows[0].why, "no payload.mass from 1 to 2 gives the expected value");
 }
 
