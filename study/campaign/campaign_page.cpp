@@ -204,7 +204,7 @@ std::string campaign_page(const Campaign& campaign) {
     for (const Answer& answer : r.answers)
         if (answer.trail.size() > 1) trails += page_figure(trail_plot(answer));
     if (!trails.empty()) page += page_section("intervals", "Intervals", trails);
-    if (const Table failures = failures_table(campaign); !failures.rows.empty())
+    if (const auto failures = failures_table(campaign); !failures.rows.empty())
         page += page_section(
             "failures", "Runs that did not end as they should",
             html_table(failures, "Indices count from 0; <code>--rerun INDEX</code> runs one in full", "",

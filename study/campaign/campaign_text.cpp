@@ -35,7 +35,7 @@ std::string campaign_text(const Campaign& campaign, const Style& style) {
     if (campaign.both) text += "\n" + terminal_table(pairs_table(*campaign.both), style);
     for (const std::string& note : answer_notes(campaign))
         text += "\n" + printable(note) + "\n";
-    if (const Table failures = failures_table(campaign); !failures.rows.empty())
+    if (const auto failures = failures_table(campaign); !failures.rows.empty())
         text += "\n" + terminal_table(failures, style);
     return text + "\n";
 }
