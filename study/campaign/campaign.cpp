@@ -279,13 +279,15 @@ bool run_pairs(Campaign& campaign, const CampaignSettings& settings) {
     }
 }
 
-/// `text`: "--set key=value".
-void require_effect(std::string_view text, const CampaignSpec& spec) {
-    const std::string_view override = text.substr(text.find(' ') + 1);
-    const std::string_view key = trimmed(override.substr(0, override.find('=')));
-    if (std::ranges::count(spec.inputs, key, &CampaignInput::key) > 0)
-        throw SceneError({spec.file.string(), 1, 1}, std::string(key), "is set and varies",
-                         "what is set would have no effect", "leave out one of them");
+/// Keys that overrides, "--set key=value" each, set beside a distribution of their own.
+std::vector<std::string> set_in_vain(const std::vector<std::string>& overrides, const CampaignSpec& spec) {
+    std::vector<std::string> keys;
+    for (const std::string_view text : overrides) {
+        const std::string_view assignment = text.substr(text.find(' ') + 1);
+        const std::string_view key = trimmed(assignment.substr(0, assignment.find('=')));
+        if (std::ranges::count(spec.inputs, key, &CampaignInput::key) > 0) keys.emplace_back(key);
+    }
+    return keys;
 }
 
 }  // namespace
@@ -297,8 +299,7 @@ Campaign open_campaign(CampaignSpec spec, const Fidelity& rom, const Fidelity& f
     for (const std::string& text : campaign.spec.set)
         overrides.push_back("--set " + text);
     overrides.insert(overrides.end(), settings.overrides.begin(), settings.overrides.end());
-    for (const std::string& text : settings.overrides)
-        require_effect(text, campaign.spec);
+    campaign.set_in_vain = set_in_vain(settings.overrides, campaign.spec);
     campaign.sampler = make_sampler(
         campaign.spec,
         with(settings.scene_with ? settings.scene_with : base_of(campaign.spec), std::move(overrides)));

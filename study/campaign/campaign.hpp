@@ -40,8 +40,9 @@ struct Campaign {
     std::optional<MultiFidelity> both = {};
     std::uint64_t full_runs = 0;  ///< of `both`
     std::vector<std::optional<RareEvent>> rare =
-        {};                ///< of each answer that is a probability, once it is made
-    double seconds = 0.0;  ///< [s] that making the runs took
+        {};                                     ///< of each answer that is a probability, once it is made
+    std::vector<std::string> set_in_vain = {};  ///< keys that are set and vary: the set values are of no run
+    double seconds = 0.0;                       ///< [s] that making the runs took
     int threads = 1;
     bool interrupted = false;
 };

@@ -124,6 +124,8 @@ Table failures_table(const Campaign& campaign) {
 
 std::vector<std::string> answer_notes(const Campaign& campaign) {
     std::vector<std::string> notes;
+    for (const std::string& key : campaign.set_in_vain)
+        notes.push_back(fmt::format("{} is set, and varies: no run has the value that is set", key));
     for (const Answer& a : campaign.results.answers) {
         if (!a.note.empty()) notes.push_back(fmt::format("{}: {}", a.spec->name, a.note));
         if (!a.rare) continue;
