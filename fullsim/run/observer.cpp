@@ -135,7 +135,8 @@ CordTensions cord_tensions(const State& state, const Mesh& mesh, const CordTensi
     CordTensions most = found;
     for (std::size_t c = 0; c < mesh.cables.size(); ++c) {
         const Cable& cable = mesh.cables[c];
-        const bool reefs = std::ranges::binary_search(mesh.reefing_line, c);
+        if (!is_tape(cable.kind) && cable.kind != CableKind::vent_line) continue;
+        const bool reefs = cable.kind == CableKind::skirt && std::ranges::binary_search(mesh.reefing_line, c);
         for (std::size_t k = 0; k < most.size(); ++k)
             if (cord_groups[k].kind == cable.kind && cord_groups[k].reefs == reefs)
                 most[k] = std::max(most[k], strand_tension(state, mesh, cable));

@@ -236,13 +236,14 @@ void add_opening_metrics(const MetricSink& sink, const Scene& scene, const Openi
     add("load_factor", r.max_force / weight);
     if (r.peak_force && r.snatched && one) {
         add("time_to_peak_force_s", r.peak_time - r.snatch_time);
-        add("opening_shock_coefficient", *r.peak_force / (pressure * area));
+        if (pressure > 0.0) add("opening_shock_coefficient", *r.peak_force / (pressure * area));
     }
     if (r.snatched && one) {
         const FillTimeInputs in = fill_inputs(scene, chute, r.snatch_speed, r.snatch_density);
-        add("mass_ratio", in.mass_ratio(), MetricKind::input,
-            chute.count == 1 ? "m_l/(rho D0^3) at snatch"
-                             : "m_l/(rho D0^3) at snatch, of each parachute's share of the payload");
+        if (r.snatch_density > 0.0)  // a run that failed at once has met no air
+            add("mass_ratio", in.mass_ratio(), MetricKind::input,
+                chute.count == 1 ? "m_l/(rho D0^3) at snatch"
+                                 : "m_l/(rho D0^3) at snatch, of each parachute's share of the payload");
         const MetricKind kind = in_flight ? MetricKind::result : MetricKind::input;
         add("froude_number", in.froude_number(), kind, "v_s^2/(g D0)");
         if (r.snatch_path_angle > smallest_path_angle)
