@@ -1,6 +1,11 @@
 // Loads of both models: the impulse of an opening, the margins to the materials' strengths.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+#include <string_view>
+
+#include "lib/scene/read_scene.hpp"
 #include "tests/support/c9_scene.hpp"
 #include "tests/support/runs.hpp"
 
@@ -121,6 +126,36 @@ TEST(Loads, MarginsAreStrengthOverFactoredLoadLessOne) {
     const RunRecord weak = test::run_full(scene);
     EXPECT_NEAR(*weak.metric("line_strength_margin"), -0.1, 1e-12);
     EXPECT_EQ(broken(weak), 2);
+}
+
+bool warns(const RunRecord& record, std::string_view what) {
+    return std::ranges::any_of(record.warnings, [&](const Warning& warning) {
+        return warning.what.find(what) != std::string::npos;
+    });
+}
+
+// Thrown up at 25 m/s under a canopy that opens within 3 s: the payload comes to rest, and falls past it.
+TEST(Loads, APayloadThatOvertakesItsCanopyIsSaid) {
+    const auto thrown = [](const char* angle) {
+        return read_scene(
+            TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml",
+            {std::string("release.path_angle='") + angle + "'", "release.speed='25 m/s'",
+             "full.mesh={gore_columns=2,gore_rows=7,line_elements=8}", "full.contact='none'", "stop.time=4"});
+    };
+    EXPECT_TRUE(warns(test::run_full(thrown("-80 deg")), "the lines were slack for"));
+    EXPECT_FALSE(warns(test::run_full(thrown("80 deg")), "the lines were slack for"));
+    EXPECT_TRUE(warns(test::run_rom(thrown("-80 deg")), "opens while the payload climbs"));
+    EXPECT_FALSE(warns(test::run_rom(thrown("-20 deg")), "opens while the payload climbs"));
+}
+
+// Half a diameter ahead of the filling takes 4.3 s at 1 m/s, in which the payload falls ever faster.
+TEST(Loads, APredictedFillingThatBeginsTooSlowlyIsSaid) {
+    const auto released = [](const char* speed) {
+        return test::run_rom(read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/c9-predicted.toml",
+                                        {std::string("release.speed=") + speed}));
+    };
+    EXPECT_TRUE(warns(released("1"), "too slow for a predicted filling"));
+    EXPECT_FALSE(warns(released("21"), "too slow for a predicted filling"));
 }
 
 }  // namespace
