@@ -47,7 +47,7 @@ struct Campaign {
     bool interrupted = false;
 };
 
-/// What an answer comes to: of the full model where there is one of it.
+/// Verdict on an answer: that of the full model where it has one.
 struct Judgement {
     const AnswerSpec* spec;
     Interval value;

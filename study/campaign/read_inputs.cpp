@@ -339,7 +339,7 @@ void correlate(SuiteTable& top, CampaignSpec& spec, const std::vector<Pair>& pai
         const Eigen::Index i = index(pair.one), j = index(pair.other);
         if (i == j) top.refuse("correlation", fmt::format("'{}' with itself", pair.one), "", "name two keys");
         if (!told.insert(std::minmax(i, j)).second)
-            top.refuse("correlation", fmt::format("'{}' with '{}' is told twice", pair.one, pair.other), "",
+            top.refuse("correlation", fmt::format("'{}' with '{}' is given twice", pair.one, pair.other), "",
                        "leave out one of them");
         spec.correlation(i, j) = spec.correlation(j, i) = pair.value;
     }

@@ -114,7 +114,7 @@ Interval interval_of(const CampaignSpec& spec, const AnswerSpec& answer, const R
 
 /// "29 of 40 runs have no peak force and do not count".
 std::string missing_text(std::uint64_t missing, std::uint64_t runs, std::string_view metric);
-/// What follows it where that decides.
+/// Its end where the missing runs decide on the verdict.
 inline constexpr auto not_met_at_worst = "; if they were the worst of all, the limit would not be met";
 
 /// Judges the interval of an answer by its limit.

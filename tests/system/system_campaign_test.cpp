@@ -289,7 +289,7 @@ TEST_F(SystemCampaign, OneRunCanBeLookedAt) {
     const double peak = read("out/rerun-42/summary.json")["metrics"]["peak_force_N"];
     EXPECT_NEAR(std::stod(row[static_cast<std::size_t>(column)]) / peak, 1.0, 5e-5);  // that of batches
     EXPECT_EQ(campaign({"--out", "out", "--rerun", "100"}).code, 2);
-    // Of another campaign.
+    // The runs there are another campaign's.
     write("c.toml", campaign_text("runs = 100\nseed = 4", mean));
     const Ended other = campaign({"--out", "out", "--rerun", "41", "--quiet"});
     EXPECT_EQ(other.code, 2) << other.err;

@@ -146,7 +146,7 @@ TEST(CampaignRead, RefusesPlansThatDoNotGoTogether) {
     };
     EXPECT_TRUE(says(plan("runs = 5\n" + speed + pair("payload.mass", "release.speed") +
                           pair("release.speed", "payload.mass")),
-                     "is told twice"));
+                     "is given twice"));
     EXPECT_EQ(read("base = \"s.toml\"\n[campaign]\nruns = 7\ndesign = \"saltelli\"\n" + vary).runs, 9u);
     EXPECT_EQ(read("base = \"s.toml\"\n[campaign]\ndesign = \"grid\"\n" + vary + "levels = 12\n").runs, 12u);
 }

@@ -293,7 +293,7 @@ TEST(LargestLoads, MarginOfCordsIsTheLeastOfThoseThatHaveAStrength) {
                  reefing = *seams.metric("max_reefing_line_tension_N");
     EXPECT_DOUBLE_EQ(*seams.metric("cord_strength_margin"), 900.0 * 0.8 / (1.5 * radial) - 1);
     EXPECT_TRUE(seams.find_metric("cord_strength_margin")->note.starts_with("radial tapes: "));
-    // Of the skirt's cord, and pulled more than its tape.
+    // The reefing line is of the skirt band's cord, and is pulled harder.
     ASSERT_GT(reefing, *seams.metric("max_skirt_band_tension_N"));
     ASSERT_LT(100.0 / reefing, 900.0 / radial);
     EXPECT_DOUBLE_EQ(*both.metric("cord_strength_margin"), 100.0 * 0.8 / (1.5 * reefing) - 1);

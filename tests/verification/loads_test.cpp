@@ -114,7 +114,7 @@ TEST(Loads, MarginsAreStrengthOverFactoredLoadLessOne) {
               "strength 1779 N, joint efficiency 0.8, design factor 1.5");
     EXPECT_FALSE(test::run_rom(scene).metric("line_strength_margin"));  // it has no lines to pull on
 
-    // What would have broken is said; with these strengths nothing would.
+    // Lines or fabric that would have broken are said; with these strengths none would.
     const auto broken = [](const RunRecord& of) {
         return std::ranges::count_if(of.warnings, [](const Warning& warning) {
             return warning.what.find("would have broken") != std::string::npos;
